@@ -506,6 +506,7 @@ LIBRARIES: dict[str, dict[str, Parameters]] = {
     "nesl_utility": _UTILITIES,
     "nesl_utility_internal": _UTILITIES,
     "fl_lib": without_table(_FOUNDATION_WITHOUT_TABLE),
+    "fl_ps_legacy_lib": without_table(_FOUNDATION_WITHOUT_TABLE),  # of releases until R2018
     "simulink": _SIMULINK,
     "slpidlib": _SIMULINK,
     "simulink_extras": _SIMULINK,

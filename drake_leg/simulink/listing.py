@@ -6,7 +6,7 @@ import math
 import re
 import textwrap
 from collections import Counter
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from drake_leg.errors import UnknownValueError
@@ -24,10 +24,10 @@ _PLACES = 3  # where something is used, that are told
 def as_json(model: Model) -> dict[str, Any]:
     """Return a model as JSON can hold it: numbers in SI, infinite ones as ``inf`` or ``-inf``.
 
-    A value that is not known is null, and ``lacks`` has its text and the reason.
+    A value that is not known is null, and ``lacks`` has its text and the reason where the block
+    uses it.
     """
     lacks = lacks_of(model)
-    absent = {(lack.sid, lack.parameter) for lack in lacks}
     hint = suggested_init(model, lacks)
     return {
         "blocks": [
@@ -37,7 +37,7 @@ def as_json(model: Model) -> dict[str, Any]:
                 "type": block.type,
                 "source": block.source,
                 "system": block.system,
-                "parameters": _plain_values(block.sid, block.parameters, absent),
+                "parameters": _plain_values(block.parameters),
             }
             for block in model.blocks
         ],
@@ -49,7 +49,7 @@ def as_json(model: Model) -> dict[str, Any]:
             {"sid": function.sid, "name": function.name, "script": function.script}
             for function in model.functions
         ],
-        "solver": _plain_values("", model.solver, absent),
+        "solver": _plain_values(model.solver),
         "variables": _variables(model),
         "skipped": [] if model.variables is None else _skipped(model),
         "init": None if hint is None else {"file": str(hint.path), "names": list(hint.names)},
@@ -77,10 +77,16 @@ def _skipped(model: Model) -> list[str]:
     return [str(one) for one in skipped]
 
 
-def _plain_values(
-    sid: str, values: Mapping[str, Value], absent: Container[tuple[str, str]]
-) -> dict[str, Any]:
-    return {name: None if (sid, name) in absent else plain(values[name]) for name in values}
+def _plain_values(values: Mapping[str, Value]) -> dict[str, Any]:
+    return {name: _plain_value(values, name) for name in values}
+
+
+def _plain_value(values: Mapping[str, Value], name: str) -> Any:  # noqa: ANN401
+    """Value of a parameter, None where it is not known, be it used or not."""
+    try:
+        return plain(values[name])
+    except UnknownValueError:
+        return None
 
 
 def as_summary(model: Model) -> list[str]:

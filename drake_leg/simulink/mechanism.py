@@ -287,7 +287,7 @@ BASE, FOLLOWER = "lconn:1", "rconn:1"
 RIGID = ("Rigid Transform", "Weld Joint")
 TO_PHYSICAL, TO_SIGNAL = "Simulink-PS Converter", "PS-Simulink Converter"
 _SIGNAL_KINDS = (TO_PHYSICAL, TO_SIGNAL, "Spectrum Analyzer", "Probe")
-_LIBRARIES = ("sm_lib", "nesl_utility", "nesl_utility_internal", "fl_lib")
+_LIBRARIES = ("sm_lib", "nesl_utility", "nesl_utility_internal", "fl_lib", "fl_ps_legacy_lib")
 Node = tuple[str, ...]  # ports that one connection joins
 Frame = int | str  # the number of a node in the model, or a port that is not connected
 

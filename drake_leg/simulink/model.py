@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,9 +28,23 @@ class Parameters(Mapping[str, Value]):
         be.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, evaluate: Callable[[str], Any] | None = None) -> None:
         self._found: dict[str, Value] = {}
         self._pending: dict[str, Callable[[], Value]] = {}
+        self._evaluate = evaluate
+        self.texts: dict[str, str] = {}  # as they stand in the file, or their defaults
+
+    def evaluate(self, text: str) -> Any:  # noqa: ANN401 - any value of MATLAB text
+        """Evaluate MATLAB text with the names that the block may use.
+
+        Raises
+        ------
+        InvalidValueError
+            If it is not well formed, or uses what is not known.
+        """
+        if self._evaluate is None:
+            raise InvalidValueError("these parameters have no names to evaluate a text with")
+        return self._evaluate(text)
 
     def add(self, name: str, value: Value | Callable[[], Value]) -> None:
         """Add a value, or what evaluates it."""
@@ -66,6 +80,8 @@ class Block:
     parameters: Mapping[str, Value]  # in SI; absent ones at Simulink's defaults
     mask: tuple[str, ...] = ()  # names of those that its mask adds, as numbers or as they stand
     unknown: str = ""  # why it is no block that is known; "" where it is
+    path: str = ""  # names of the subsystems that hold it and its own, a slash between
+    ports: Mapping[str, int] = field(default_factory=dict)  # counts of in, out; not all are told
 
     @cached_property
     def kind(self) -> str:

@@ -18,6 +18,7 @@ from drake_leg.simulink.scopes import Scope, says_infinite
 from drake_leg.units import parse_unit
 
 _NAMED = re.compile(r"[A-Za-z]")
+_ENUMERATION = re.compile(r"[a-z]+\.enum\.")  # a choice of Simscape: foundation.enum.numPorts2.one
 
 
 def evaluate(text: str, unit: str, quantity: str, scope: Scope | None = None) -> Value:
@@ -113,7 +114,9 @@ def values_of(block: DrawnBlock, scope: Scope) -> Parameters:
     """
     known = known_parameters(block.type, block.source) or ()
     texts = block.texts
-    found = Parameters()
+    found = Parameters(scope.evaluate)
+    found.texts = {parameter.name: parameter.default for parameter in known} | texts
+    found.texts |= block.mask.values
     others = dict(texts)
     for parameter in known:
         others.pop(parameter.name, None)
@@ -194,7 +197,7 @@ def _add_others(
                 si = parse_unit(unit).si
             except InvalidValueError:
                 continue
-            if name in others:
+            if name in others and not _ENUMERATION.match(others[name]):
                 parameter = Parameter(
                     name=name, default="", numeric=True, unit=unit, unbounded=True
                 )

@@ -148,6 +148,8 @@ def _model(
                 parameters=values_of(block, scopes[block.sid]),
                 mask=tuple(block.mask.values),
                 unknown=why_unknown(block),
+                path=block.path,
+                ports=block.ports,
             )
             for block in diagram.blocks.values()
         ),

@@ -16,13 +16,14 @@ _CONNECTION_PORTS = ("PMIOPort", "Connection Port")
 _BUS = "SimscapeBus"
 
 
-def flatten(model: Model) -> Model:
+def flatten(model: Model, *, gates: bool = False) -> Model:
     """Take away every boundary, so that wires and nodes lead from leaf block to leaf block.
 
     Subsystems, virtual or atomic, go with their Inport, Outport and Connection Port blocks, and so
     do Goto, From, Connection Labels and Simscape Buses. Inport and Outport blocks of the top stay.
     Wires have the name that is nearest to their target. `Block.system` still tells where a block
-    was.
+    was. With ``gates``, the Outports of subsystems that are enabled, triggered or chosen stay, too:
+    they hold what they put out last.
 
     Raises
     ------
@@ -30,13 +31,19 @@ def flatten(model: Model) -> Model:
         If a From has no Goto or several, or a signal runs in a circle of such blocks only.
     """
     blocks = {block.sid: block for block in model.blocks}
-    leaves = tuple(block for block in model.blocks if _is_leaf(block))
+    gated = gated_systems(model) if gates else frozenset()
+    leaves = tuple(block for block in model.blocks if _is_leaf(block, gated))
     return replace(
         model,
         blocks=leaves,
-        wires=_Signals(model, blocks).wires(),
+        wires=_Signals(model, blocks, gated).wires(),
         nodes=_nodes(model, blocks),
     )
+
+
+def gated_systems(model: Model) -> frozenset[str]:
+    """SIDs of the subsystems that are enabled, triggered or chosen by an If or a Switch Case."""
+    return frozenset(block.system for block in model.blocks if block.type in _GATES.values())
 
 
 def physical_part(model: Model) -> Model:
@@ -51,7 +58,9 @@ def _is_open(block: Block) -> bool:
     return block.type == "SubSystem" and block.parameters.get("SFBlockType") == "NONE"
 
 
-def _is_leaf(block: Block) -> bool:
+def _is_leaf(block: Block, gated: Container[str] = ()) -> bool:
+    if block.type == "Outport" and block.system in gated:
+        return True
     if block.type in ("Inport", "Outport") or block.kind in _CONNECTION_PORTS:
         return not block.system
     if block.type == _BUS:
@@ -62,8 +71,10 @@ def _is_leaf(block: Block) -> bool:
 class _Signals:
     """Follows signals backwards, from an input to the leaf block that drives it."""
 
-    def __init__(self, model: Model, blocks: dict[str, Block]) -> None:
-        self._blocks = blocks
+    def __init__(
+        self, model: Model, blocks: dict[str, Block], gated: Container[str] = ()
+    ) -> None:
+        self._blocks, self._gated = blocks, gated
         self._drivers = {wire.target: wire for wire in model.wires}
         self._ports = {
             (block.system, block.type, block.parameters.get("Port")): block
@@ -85,7 +96,7 @@ class _Signals:
             target = wire.target
             if _is_open(block) and kind in _GATES:
                 target = self._gate(block, kind)
-            elif not _is_leaf(block):
+            elif not _is_leaf(block, self._gated):
                 continue
             source, name = self._origin(wire)
             if source:
@@ -114,8 +125,11 @@ class _Signals:
             name = name or wire.name
             sid, _, number = split_port(wire.source)
             block = self._blocks[sid]
-            if _is_leaf(block):
+            if _is_leaf(block, self._gated):
                 return wire.source, name
+            held = self._ports.get((sid, "Outport", float(number)))
+            if sid in self._gated and held is not None:
+                return f"{held.sid}#out:1", name
             wire = self._drivers.get(self._behind(block, number))
         return "", name
 

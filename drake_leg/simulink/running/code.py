@@ -1,0 +1,414 @@
+"""Code for the signals of a model: what each block writes, and the functions made of it.
+
+A block writes lines of Python that compute its outputs from its inputs, and after all outputs are
+known, lines for the derivatives of its states and for what it remembers. Each line is carried out
+once with the values at the start, so that every signal's shape is known when the next is written.
+"""
+
+from __future__ import annotations
+
+import ast
+import keyword
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.running import operations
+from drake_leg.simulink.running.network import Node
+from drake_leg.simulink.running.settings import Settings, Signal, flat, shape_of
+
+CONTINUOUS, MAJOR = -1, -2  # rates besides the sampled ones: always, and at every major step
+SHORTEST_CONSTANT = 4  # entries that are written in a line rather than by name
+GIVEN = ("t", "x", "m", "y", "e")
+NAMESPACE: Mapping[str, Any] = operations.NAMES
+
+
+class UnknownShapeError(Exception):
+    """The value of a signal is not known yet, as it comes from a state of unknown shape."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Operand:
+    """A signal: the code that is its value, and its value at the start."""
+
+    code: str
+    value: Signal
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the signal."""
+        return shape_of(self.value)
+
+    @property
+    def is_scalar(self) -> bool:
+        """Whether it is one number."""
+        return isinstance(self.value, float)
+
+    @property
+    def size(self) -> int:
+        """How many numbers it has."""
+        return int(flat(self.value).size)
+
+
+@dataclass(kw_only=True)
+class Section:
+    """Lines of one block that are carried out together."""
+
+    title: str
+    lines: list[str]
+    rate: int  # index of a sampled rate, or CONTINUOUS or MAJOR
+    gates: tuple[str, ...] = ()  # variables, all of which must be true
+    after: bool = False  # whether it remembers, after all outputs are computed
+    held: dict[str, int] = field(default_factory=dict)  # variable -> slot of the memory
+    makes: frozenset[str] = frozenset()
+    reads: frozenset[str] = frozenset()
+
+    def settle(self) -> None:
+        """Find the names that the lines make and read."""
+        tree = ast.parse("\n".join(self.lines))
+        names = [node for node in ast.walk(tree) if isinstance(node, ast.Name)]
+        self.makes = frozenset(n.id for n in names if isinstance(n.ctx, ast.Store))
+        self.reads = frozenset(n.id for n in names if isinstance(n.ctx, ast.Load))
+
+
+@dataclass(kw_only=True)
+class State:
+    """A continuous state: a signal that is integrated."""
+
+    name: str
+    start: Signal
+    first: int
+    derivative: str = ""
+
+    @property
+    def last(self) -> int:
+        """Place after its last number."""
+        return self.first + flat(self.start).size
+
+
+@dataclass(kw_only=True)
+class Recorded:
+    """A signal that a sink shows."""
+
+    name: str
+    code: str
+    value: Signal
+    block: str  # path of the sink
+    port: int
+
+
+class Pen:
+    """All that is written for a model: sections, constants, states, memory."""
+
+    def __init__(self, shapes: Mapping[str, tuple[int, ...]] | None = None) -> None:
+        self.sections: list[Section] = []
+        self.constants: dict[str, Any] = {}
+        self.states: dict[str, State] = {}
+        self.slots: list[Any] = []
+        self.slot_names: list[str] = []
+        self.recorded: list[Recorded] = []
+        self.stops: list[tuple[str, str]] = []  # variable, name of a block
+        self.breaks: set[float] = set()
+        self.waves: list[tuple[float, float]] = []  # period and offset of corners
+        self.values: dict[str, Operand] = {}  # by port
+        self.dots: dict[str, tuple[str, str]] = {}  # port -> first and second derivative
+        self.shapes = dict(shapes or {})  # of states, by the SID of their block and number
+        self.wanted: dict[str, tuple[int, ...]] = {}
+        self.resets = False
+        self.gates_of: dict[str, tuple[str, ...]] = {}  # port -> what lets it run
+        self.stores: dict[str, int] = {}  # data stores by name -> slot
+        self.initial: dict[str, Signal] = {}  # of outputs that are held, where they are given
+        self.scope: dict[str, Any] = {**NAMESPACE, "t": 0.0, "x": [], "m": self.slots}
+        self.scope |= {"y": np.zeros(0), "e": np.zeros(0)}
+        self._names: set[str] = {*NAMESPACE, *GIVEN, "u", "dx", "hits", "step", "after"}
+
+    # --- names and values ---
+
+    def name(self, wish: str) -> str:
+        """Return a new name like the one that is wished."""
+        base = re.sub(r"\W+", "_", wish).strip("_").lower() or "signal"
+        if base[0].isdigit() or keyword.iskeyword(base) or not base.isascii():
+            base = "v_" + re.sub(r"[^a-z0-9_]", "", base)
+        base = base[:40]
+        found, number = base, 2
+        while found in self._names:
+            found, number = f"{base}_{number}", number + 1
+        self._names.add(found)
+        return found
+
+    def constant(self, value: Any, wish: str = "constant") -> str:  # noqa: ANN401
+        """Return the code of a constant: its digits, or the name of one that is long."""
+        if isinstance(value, bool | int | float | np.floating):
+            return literal(float(value))
+        if isinstance(value, np.ndarray) and value.size <= SHORTEST_CONSTANT and value.ndim == 1:
+            return f"array([{', '.join(map(literal, value.tolist()))}])"
+        for name, other in self.constants.items():
+            same = isinstance(value, np.ndarray) and isinstance(other, np.ndarray)
+            if same and other.shape == value.shape and np.array_equal(other, value):
+                return name
+        name = self.name(f"{wish}".upper()).upper()
+        self._names.add(name)
+        self.constants[name] = value
+        self.scope[name] = value
+        return name
+
+    def slot(self, start: Any, wish: str) -> int:  # noqa: ANN401
+        """Return a new place in the memory."""
+        self.slots.append(start)
+        self.slot_names.append(wish)
+        return len(self.slots) - 1
+
+    def state(self, key: str, wish: str, start: Signal) -> State:
+        """Make a continuous state; a start of one number is widened to the shape it needs."""
+        shape = self.shapes.get(key, shape_of(start))
+        if shape != shape_of(start):
+            start = np.broadcast_to(np.asarray(start, dtype=float), shape).copy()
+        first = len(self.scope["x"])
+        made = State(name=self.name(wish), start=start, first=first)
+        self.scope["x"] = [*self.scope["x"], *flat(start).tolist()]
+        self.states[key] = made
+        return made
+
+    def run(self, section: Section) -> None:
+        """Carry out the lines of a section on the values at the start, and keep them."""
+        section.settle()
+        exec(compile("\n".join(section.lines), f"<{section.title}>", "exec"), self.scope)
+        self.sections.append(section)
+
+
+def literal(value: float) -> str:
+    """Write a number."""
+    if np.isfinite(value):
+        return repr(float(value))
+    return "nan" if np.isnan(value) else ("inf" if value > 0 else "-inf")
+
+
+class Writer:
+    """What a block writes with."""
+
+    def __init__(self, pen: Pen, node: Node, rate: int, gates: tuple[str, ...]) -> None:
+        self.pen, self.node, self.rate, self.gates = pen, node, rate, gates
+        self.settings = Settings(node.block)
+        self.kept: dict[str, Any] = {}  # from the outputs to what comes after them
+        self.period: float | None = None  # [s], of a block that is sampled
+        self._lines: list[str] = []
+        self._memories: list[str] = []
+
+    # --- inputs ---
+
+    @property
+    def count(self) -> int:
+        """How many inputs the block has."""
+        return len(self.node.inputs)
+
+    def input(self, place: int = 0) -> Operand:
+        """Return the signal at an input; what is not connected is 0."""
+        port = self.node.inputs[place] if place < self.count else None
+        if port is None:
+            return Operand(code="0.0", value=0.0)
+        if port not in self.pen.values:
+            raise UnknownShapeError(port)
+        return self.pen.values[port]
+
+    @property
+    def inputs(self) -> list[Operand]:
+        """Return the signals at all inputs."""
+        return [self.input(place) for place in range(self.count)]
+
+    def numeric(self, place: int = 0) -> Operand:
+        """Return a signal of numbers; a bus becomes one vector."""
+        found = self.input(place)
+        return self.let(f"flat({found.code})") if isinstance(found.value, dict) else found
+
+    def vector(self, place: int = 0) -> Operand:
+        """Return a signal as a 1-D array, a matrix by columns."""
+        return self.as_vector(self.input(place))
+
+    def as_vector(self, found: Operand) -> Operand:
+        """Make a signal a 1-D array."""
+        if isinstance(found.value, np.ndarray) and found.value.ndim == 1:
+            return found
+        code = f"array([{found.code}])" if found.is_scalar else f"flat({found.code})"
+        return Operand(code=code, value=flat(found.value))
+
+    def alike(self, operands: Sequence[Operand]) -> list[Operand]:
+        """Let vectors and matrices of one row or column have one shape, as in Simulink."""
+        shapes = {one.shape for one in operands if one.size > 1}
+        if len(shapes) <= 1:
+            return [self._scalar(one) if shapes else one for one in operands]
+        sizes = {one.size for one in operands if one.size > 1}
+        if len(sizes) > 1:
+            raise InvalidValueError(
+                f"{self.about} has inputs of {', '.join(str(one.size) for one in operands)} "
+                "elements: make them alike"
+            )
+        return [self.as_vector(one) if one.size > 1 else self._scalar(one) for one in operands]
+
+    def _scalar(self, one: Operand) -> Operand:
+        if one.size == 1 and not one.is_scalar:
+            return Operand(code=f"{one.code}.item()", value=float(flat(one.value)[0]))
+        return one
+
+    @property
+    def about(self) -> str:
+        """Name the block."""
+        return f"block {self.node.block.name!r} (SID {self.node.sid})"
+
+    def fault(self, problem: str) -> InvalidValueError:
+        """Make an error about the block."""
+        return InvalidValueError(f"{self.about} {problem}")
+
+    # --- writing ---
+
+    def let(self, code: str, wish: str = "") -> Operand:
+        """Give an expression a name."""
+        name = self.pen.name(wish or self.node.block.name)
+        self.write(f"{name} = {code}")
+        return Operand(code=name, value=self.pen.scope[name])
+
+    def write(self, *lines: str) -> None:
+        """Write lines, and carry them out."""
+        exec(compile("\n".join(lines), f"<{self.node.block.path}>", "exec"), self.pen.scope)
+        self._lines += lines
+
+    def out(self, code: str, place: int = 0, wish: str = "") -> Operand:
+        """Put out an expression."""
+        made = self.let(code, wish)
+        value = made.value
+        if isinstance(value, bool | int | np.floating | np.bool_) and not isinstance(value, float):
+            raise self.fault(f"writes {code}, which is no float")  # a fault of the kind of block
+        self.put(made, place)
+        return made
+
+    def put(self, operand: Operand, place: int = 0) -> None:
+        """Put out a signal under the name that it has."""
+        if place < len(self.node.outputs):
+            self.pen.values[self.node.outputs[place]] = operand
+
+    def constant(self, value: Any, wish: str = "") -> str:  # noqa: ANN401
+        """Return the code of a constant."""
+        return self.pen.constant(value, wish or self.node.block.name)
+
+    def state(self, start: Signal, number: int = 0) -> Operand:
+        """Make a continuous state."""
+        made = self.pen.state(f"{self.node.sid}.{number}", f"{self.node.block.name}_state", start)
+        self.kept[f"state {number}"] = made
+        here = f"x[{made.first}]"
+        if shape_of(made.start):
+            here = f"array(x[{made.first}:{made.last}])"
+            if len(shape_of(made.start)) == 2:
+                here = f"{here}.reshape({shape_of(made.start)}, order='F')"
+        self.write(f"{made.name} = {here}")
+        return Operand(code=made.name, value=self.pen.scope[made.name])
+
+    def remembered(self, start: Any, number: int = 0, wish: str = "") -> Operand:  # noqa: ANN401
+        """Make a place in the memory, and read it; a start of one number is widened."""
+        shape = self.pen.shapes.get(f"{self.node.sid}.m{number}")
+        if shape is not None and shape != shape_of(start):
+            start = np.broadcast_to(np.asarray(start, dtype=float), shape).copy()
+        slot = self.pen.slot(start, wish or self.node.block.name)
+        name = self.pen.name(wish or f"{self.node.block.name}_before")
+        self.kept[f"slot {number}"] = slot
+        self.write(f"{name} = m[{slot}]")
+        return Operand(code=name, value=start)
+
+    # --- after all outputs ---
+
+    def derivative(self, code: str, number: int = 0) -> None:
+        """Write the derivative of a state."""
+        state: State = self.kept[f"state {number}"]
+        name = self.let(code, f"{state.name}_dot")
+        want = shape_of(state.start)
+        if name.shape != want:
+            if want and np.prod(want) != name.size and name.size != 1:
+                raise self.fault(
+                    f"integrates {name.size} numbers from a start of {int(np.prod(want))}: "
+                    "make them as many"
+                )
+            if not want or name.size > np.prod(want):
+                self.pen.wanted[f"{self.node.sid}.{number}"] = name.shape
+        state.derivative = name.code
+        self.require_gates_in(state)
+
+    def require_gates_in(self, state: State) -> None:
+        """Let a state rest while its system does not run."""
+        if self.gates:
+            held = " and ".join(self.gates)
+            name = self.pen.name(f"{state.name}_dot")
+            zero = "0.0" if not shape_of(state.start) else f"zeros({shape_of(state.start)})"
+            self.write(f"{name} = {state.derivative} if {held} else {zero}")
+            state.derivative = name
+
+    def remember(self, code: str, number: int = 0) -> None:
+        """Write what is remembered, and read from the next time on."""
+        slot = self.kept[f"slot {number}"]
+        value, start = eval(code, self.pen.scope), self.pen.slots[slot]
+        if isinstance(start, float | np.ndarray) and shape_of(value) != shape_of(start):
+            self.pen.wanted[f"{self.node.sid}.m{number}"] = shape_of(value)
+        self._memories.append(f"m[{slot}] = {code}")
+
+    def set_state(self, condition: str, code: str, number: int = 0) -> None:
+        """Set a state at major steps where a condition holds."""
+        state: State = self.kept[f"state {number}"]
+        self.pen.resets = True
+        self._memories.append(f"if {condition}:")
+        self._memories.append(f"    after[{state.first}:{state.last}] = flat({code})")
+
+    def parameters_of_function(self) -> dict[str, Any]:
+        """Values of the arguments of a MATLAB Function that are no inputs."""
+        names = program_inputs(self.node.script)
+        if len(names) <= self.count:
+            return {}
+        found = {}
+        for name in names:
+            if len(names) - len(found) <= self.count:
+                break
+            try:
+                found[name] = self.settings.evaluate(name, name)
+            except InvalidValueError:
+                continue
+        return found
+
+    def flush(self) -> None:
+        """Close the section of what was written."""
+        self._close(self.rate, self._lines, after=False)
+        self._lines = []
+
+    def flush_after(self, rate: int) -> None:
+        """Close what was written after all outputs: derivatives, and what is remembered."""
+        self._close(CONTINUOUS, self._lines, after=False, gated=False)
+        self._close(rate, self._memories, after=True)
+        self._lines, self._memories = [], []
+
+    def _close(self, rate: int, lines: list[str], *, after: bool, gated: bool = True) -> None:
+        if lines:
+            section = Section(
+                title=self.node.block.path or self.node.block.name,
+                lines=lines,
+                rate=rate,
+                gates=self.gates if gated else (),
+                after=after,
+            )
+            section.settle()
+            self.pen.sections.append(section)
+
+
+def program_inputs(script: str) -> tuple[str, ...]:
+    """Names of the arguments of the function of a script, read off its head."""
+    head = re.search(r"function[^(\n%]*\(([^)]*)\)", script)
+    return tuple(re.findall(r"\w+", head.group(1))) if head else ()
+
+
+def needed(sections: Sequence[Section], goals: Iterable[str]) -> list[Section]:
+    """Select the sections that make what is wanted, in order."""
+    wanted = set(goals)
+    found: list[Section] = []
+    for section in reversed(sections):
+        if section.makes & wanted:
+            wanted |= section.reads | set(section.gates)
+            found.append(section)
+    return found[::-1]

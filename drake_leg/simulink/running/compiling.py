@@ -1,0 +1,469 @@
+"""From a network of signals to code: order, shapes, and the functions that Drake calls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.model import split_port
+from drake_leg.simulink.running.code import (
+    CONTINUOUS,
+    MAJOR,
+    Operand,
+    Pen,
+    Recorded,
+    Section,
+    UnknownShapeError,
+    Writer,
+    literal,
+    needed,
+)
+from drake_leg.simulink.running.kinds import Kind, kind_of
+from drake_leg.simulink.running.network import Node, SignalNetwork
+from drake_leg.simulink.running.rates import Rate, Rates
+from drake_leg.simulink.running.settings import Settings, flat, shape_of
+
+PASSES = 8
+SHOWN = 20
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ports:
+    """The vectors between signals and mechanism: where each of its ports has its numbers."""
+
+    inputs: Mapping[str, slice] = field(default_factory=dict)  # commands
+    motions: frozenset[str] = frozenset()  # those that want value, velocity, acceleration
+    sensed: Mapping[str, slice] = field(default_factory=dict)
+    efforts: Mapping[str, slice] = field(default_factory=dict)
+    shapes: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    y: Array = field(default_factory=lambda: np.zeros(0))  # sensed at the start
+    e: Array = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Code:
+    """The signals of a model as Python: source, constants, and what the functions work on."""
+
+    source: str
+    scope: Mapping[str, Any]  # constants and functions that the source uses
+    x: Array  # continuous states at the start
+    memory: tuple[Any, ...]  # at the start
+    rates: tuple[Rate, ...]
+    has_major: bool  # whether something happens at every major step
+    resets: bool  # whether an event may change a continuous state
+    recorded: tuple[Recorded, ...]
+    stops: tuple[tuple[str, str], ...]
+    breaks: tuple[float, ...]
+    waves: tuple[tuple[float, float], ...]
+    needs_sensed: bool  # whether commands depend on what is sensed
+    needs_efforts: bool  # whether derivatives or events depend on efforts
+    states: tuple[str, ...]  # names
+    kinds: Mapping[str, int] = field(default_factory=dict)
+
+    def functions(self) -> dict[str, Callable[..., Any]]:
+        """Compile the source, which is of our own making."""
+        scope = dict(self.scope)
+        exec(compile(self.source, "<signals>", "exec"), scope)
+        return {name: scope[name] for name in FUNCTIONS}
+
+
+FUNCTIONS = ("commands", "derivatives", "record", "major")
+
+
+def compile_signals(
+    network: SignalNetwork, ports: Ports, *, fixed_step: float | None = None
+) -> Code:
+    """Write the code of a network of signals.
+
+    Raises
+    ------
+    InvalidValueError
+        That lists all that does not run: blocks, values, algebraic loops.
+    """
+    nodes = _running(network)
+    rates = Rates(nodes, fixed_step)
+    order = _ordered(nodes, network)
+    shapes: dict[str, tuple[int, ...]] = {}
+    for _ in range(PASSES):
+        job = _Pass(nodes, order, rates, ports, network, shapes)
+        job.write(strict=False)
+        if not job.pen.wanted:
+            break
+        shapes |= job.pen.wanted
+    job = _Pass(nodes, order, rates, ports, network, shapes)
+    job.write(strict=True)
+    return job.code()
+
+
+def _running(network: SignalNetwork) -> dict[str, tuple[Node, Kind]]:
+    """Find the kinds of all blocks; those that do not run are one list."""
+    found: dict[str, tuple[Node, Kind]] = {}
+    problems: dict[str, None] = {}
+    for block in network.loops:
+        problems[f"block {block.name!r} (SID {block.sid}) iterates, which does not run yet"] = None
+    for sid, node in network.nodes.items():
+        kind = kind_of(node)
+        if kind is not None:
+            found[sid] = (node, kind)
+        elif node.read or node.block.unknown:
+            problems[
+                node.block.unknown
+                or f"block {node.block.name!r} (SID {sid}) is a {node.block.kind}, which does not "
+                "run: replace it"
+            ] = None
+    refuse(list(problems))
+    return found
+
+
+def refuse(problems: Sequence[str]) -> None:
+    """Raise all problems in one error, if there are any."""
+    if len(problems) == 1:
+        raise InvalidValueError(problems[0])
+    if problems:
+        shown = [*problems[:SHOWN]]
+        if len(problems) > SHOWN:
+            shown.append(f"and {len(problems) - SHOWN} more")
+        raise InvalidValueError(
+            "\n  ".join((f"{len(problems)} things are missing for a run", *shown))
+        )
+
+
+def _ordered(nodes: Mapping[str, tuple[Node, Kind]], network: SignalNetwork) -> list[str]:
+    """Order the blocks so that each comes after those whose outputs it needs at once."""
+    before: dict[str, list[str]] = {}
+    for sid, (node, kind) in nodes.items():
+        needs = [node.inputs[place] for place in kind.direct(node, Settings(node.block))]
+        sources = [split_port(port)[0] for port in needs if port is not None]
+        before[sid] = [each for each in (*node.gates, *sources) if each in nodes]
+    order: list[str] = []
+    state: dict[str, int] = {}  # 1 on the way, 2 done
+    for first in nodes:
+        if first in state:
+            continue
+        state[first] = 1
+        line = [(first, iter(before[first]))]
+        while line:
+            sid, rest = line[-1]
+            following = next(rest, None)
+            if following is None:
+                state[sid] = 2
+                order.append(sid)
+                line.pop()
+            elif following not in state:
+                state[following] = 1
+                line.append((following, iter(before[following])))
+            elif state[following] == 1:
+                circle = [each for each, _ in line]
+                names = [nodes[each][0].block for each in circle[circle.index(following) :]]
+                raise InvalidValueError(
+                    "the signals form an algebraic loop: "
+                    + ", ".join(f"{block.name!r} (SID {block.sid})" for block in names[:SHOWN])
+                    + ": break it with a Memory or a Unit Delay"
+                )
+    return order
+
+
+class _Pass:
+    def __init__(
+        self,
+        nodes: Mapping[str, tuple[Node, Kind]],
+        order: Sequence[str],
+        rates: Rates,
+        ports: Ports,
+        network: SignalNetwork,
+        shapes: Mapping[str, tuple[int, ...]],
+    ) -> None:
+        self.pen = Pen(shapes)
+        self._nodes, self._order, self._rates = nodes, order, rates
+        self._ports, self._network = ports, network
+        self._gate_of: dict[str, str] = {}  # SID of a gate block -> its variable
+        self._problems: dict[str, None] = {}
+        self._strict = False
+
+    def write(self, *, strict: bool) -> None:
+        """Write all blocks; if strict, what fails is raised, otherwise left unknown."""
+        self._strict = strict
+        self.pen.scope |= {"y": self._ports.y, "e": self._ports.e}
+        self._sense(self._ports.sensed, "y")
+        self._sense(self._ports.efforts, "e")
+        writers: list[tuple[Writer, Kind]] = []
+        for sid in self._order:
+            node, kind = self._nodes[sid]
+            gates = tuple(self._gate_of[gate] for gate in node.gates if gate in self._gate_of)
+            writer = Writer(self.pen, node, self._rates.of(sid), gates)
+            writer.period = self._rates.period(sid)
+            if self._attempted(writer, kind.write):
+                writers.append((writer, kind))
+            writer.flush()
+            if "gate" in writer.kept:
+                self._gate_of[sid] = writer.kept["gate"]
+        for writer, kind in writers:
+            if kind.finish is not None:
+                self._attempted(writer, kind.finish)
+                rate = writer.rate if writer.rate != CONTINUOUS else MAJOR
+                writer.flush_after(rate)
+        self._command()
+        if strict:
+            refuse(list(self._problems))
+
+    def _attempted(self, writer: Writer, work: Callable[[Writer], None]) -> bool:
+        try:
+            work(writer)
+        except UnknownShapeError as error:
+            if self._strict and not self._problems:
+                self._problems[f"{writer.about} reads {error}, whose shape is not known"] = None
+        except InvalidValueError as error:
+            self._problems[str(error)] = None
+        except (ArithmeticError, ValueError, IndexError, TypeError, KeyError, AttributeError) as error:
+            self._problems[f"{writer.about} cannot run on its inputs: {error}"] = None
+        else:
+            return True
+        return False
+
+    def _sense(self, places: Mapping[str, slice], vector: str) -> None:
+        """Name what the mechanism puts out."""
+        for port in sorted(places):
+            if port not in self._network.sensed:
+                continue
+            place, shape = places[port], self._ports.shapes.get(port, ())
+            code = f"{vector}[{place.start}]" if shape == () else f"{vector}[{place.start}:{place.stop}]"
+            code = f"float({code})" if shape == () else code
+            if len(shape) == 2:
+                code += f".reshape({shape}, order='F')"
+            name = self.pen.name(f"sensed_{port}")
+            self.pen.run(
+                Section(title=f"sensed at {port}", lines=[f"{name} = {code}"], rate=CONTINUOUS)
+            )
+            self.pen.values[port] = Operand(code=name, value=self.pen.scope[name])
+
+    def _command(self) -> None:
+        """Gather what goes into the mechanism."""
+        self.entries: dict[int, str] = {}
+        for port, place in self._ports.inputs.items():
+            source = self._network.commands.get(port)
+            operand = self.pen.values.get(source) if source else None
+            width = place.stop - place.start
+            if operand is None:
+                continue
+            if port in self._ports.motions:
+                self._motion(operand, source or "", place)
+            elif operand.size == width == 1:
+                code = operand.code if operand.is_scalar else f"scalar({operand.code})"
+                self.entries[place.start] = code
+            elif operand.size == width:
+                vector = operand.code if operand.value.ndim == 1 else f"flat({operand.code})"
+                for k in range(width):
+                    self.entries[place.start + k] = f"{vector}[{k}]"
+            else:
+                self._problems[
+                    f"the mechanism takes {width} numbers at {port}, but is given {operand.size}"
+                ] = None
+
+    def _motion(self, operand: Operand, source: str, place: slice) -> None:
+        dots = self.pen.dots.get(source)
+        coordinates = (place.stop - place.start) // 3
+        if dots is None:
+            self._problems[
+                f"the motion at {source} has no derivatives: set its Simulink-PS Converter to "
+                "filter its input, or provide them"
+            ] = None
+            return
+        if operand.size != coordinates:
+            self._problems[f"a motion of {coordinates} is given {operand.size} numbers"] = None
+            return
+        for order, code in enumerate((operand.code, *dots)):
+            for k in range(coordinates):
+                one = code if operand.is_scalar else f"flat({code})[{k}]"
+                self.entries[place.start + 3 * k + order] = one
+
+    # --- functions ---
+
+    def code(self) -> Code:
+        """Make the functions of what was written."""
+        pen = self.pen
+        held = self._hold()
+        outputs = [section for section in pen.sections if not section.after]
+        afters = [section for section in pen.sections if section.after]
+        efforts = {name for port in self._ports.efforts if (name := _code_at(pen, port))}
+        u = self._vector(
+            "u", [self.entries.get(k, "0.0") for k in range(_length(self._ports.inputs))]
+        )
+        dx = self._state_vector()
+        commands = self._function("commands", outputs, u, held)
+        derivatives = self._function("derivatives", outputs, dx, held)
+        r = [each.code for each in pen.recorded] + [name for name, _ in pen.stops]
+        record = self._function("record", outputs, [f"r = [{', '.join(r)}]"], held, "r")
+        major = self._major(outputs, afters, held)
+        u_reads = self._reads(outputs, u)
+        dx_reads = self._reads(outputs, dx) | self._reads(outputs, [], afters)
+        if u_reads & efforts:
+            raise InvalidValueError(
+                "what drives the mechanism depends at once on forces or accelerations that are "
+                "sensed there: an algebraic loop; break it with a Memory or a filter"
+            )
+        return Code(
+            source="\n\n\n".join((commands, derivatives, record, major)) + "\n",
+            scope={**{name: value for name, value in pen.scope.items() if _is_lasting(name, pen)}},
+            x=np.array(pen.scope["x"], dtype=float),
+            memory=tuple(pen.slots),
+            rates=self._rates.periods,
+            has_major=any(s.rate == MAJOR for s in pen.sections) or bool(self._gate_of),
+            resets=pen.resets,
+            recorded=tuple(pen.recorded),
+            stops=tuple(pen.stops),
+            breaks=tuple(sorted(pen.breaks)),
+            waves=tuple(pen.waves),
+            needs_sensed="y" in u_reads,
+            needs_efforts=bool(dx_reads & efforts),
+            states=tuple(state.name for state in pen.states.values()),
+        )
+
+    def _hold(self) -> dict[str, int]:
+        """Give every variable that is not computed always a place in the memory."""
+        held: dict[str, int] = {}
+        for section in self.pen.sections:
+            if section.after or (section.rate == CONTINUOUS and not section.gates):
+                continue
+            for name in sorted(section.makes):
+                start = self.pen.scope[name]
+                if section.gates and isinstance(start, bool):
+                    start = False
+                elif section.gates and isinstance(start, float | np.ndarray):
+                    start = self.pen.initial.get(name, start * 0.0)
+                held[name] = self.pen.slot(start, name)
+        return held
+
+    def _reads(
+        self, outputs: Sequence[Section], lines: Sequence[str], afters: Sequence[Section] = ()
+    ) -> set[str]:
+        goal = _settled(lines)
+        names = set(goal.reads).union(*(section.reads for section in afters))
+        found = set(names)
+        for section in needed(outputs, names):
+            found |= section.reads | section.makes
+        return found
+
+    def _vector(self, name: str, entries: Sequence[str]) -> list[str]:
+        if not entries:
+            return [f"{name} = zeros(0)"]
+        return [f"{name} = array([{', '.join(entries)}])"]
+
+    def _state_vector(self) -> list[str]:
+        entries = []
+        for state in self.pen.states.values():
+            shape = shape_of(state.start)
+            dot = state.derivative or "0.0"
+            if shape == ():
+                entries.append(dot)
+            elif len(shape) == 1:
+                entries.append(f"*{dot}")
+            else:
+                entries.append(f"*flat({dot})")
+        return self._vector("dx", entries)
+
+    def _function(
+        self,
+        name: str,
+        outputs: Sequence[Section],
+        result: Sequence[str],
+        held: Mapping[str, int],
+        returned: str = "",
+    ) -> str:
+        """Write a function of the present: what is not computed always is read from the memory."""
+        goal = _settled(result)
+        chosen = needed(outputs, goal.reads)
+        wanted = set(goal.reads).union(*(section.reads for section in chosen))
+        body: list[str] = []
+        for section in chosen:
+            body += _present(section, held, wanted)
+        returned = returned or result[0].partition(" ")[0]
+        return _definition(f"def {name}(t, x, m, y, e):", [*body, *result, f"return {returned}"])
+
+    def _major(
+        self, outputs: Sequence[Section], afters: Sequence[Section], held: Mapping[str, int]
+    ) -> str:
+        """Write what happens at sample times and major steps: it changes the memory."""
+        lasting = [s for s in outputs if s.rate != CONTINUOUS or s.gates]
+        goals = {name for section in lasting for name in section.makes}
+        goals |= {name for section in afters for name in (*section.reads, *section.gates)}
+        body: list[str] = []
+        for section in needed(outputs, goals):
+            body += _at_major(section, held)
+        for section in afters:
+            condition = " and ".join((*_when(section), *section.gates))
+            body += _comment(section)
+            body += _under(condition, section.lines)
+        return _definition("def major(t, x, m, y, e, hits, step, after):", body or ["pass"])
+
+
+def _present(section: Section, held: Mapping[str, int], wanted: set[str]) -> list[str]:
+    """Write a section as it is between events."""
+    reads = [f"{name} = m[{held[name]}]" for name in sorted(section.makes & wanted) if name in held]
+    if section.rate != CONTINUOUS:
+        return reads
+    if not section.gates:
+        return [*_comment(section), *section.lines]
+    condition = " and ".join(section.gates)
+    otherwise = ["else:", *(f"    {line}" for line in reads)] if reads else []
+    return [*_comment(section), *_under(condition, section.lines), *otherwise]
+
+
+def _at_major(section: Section, held: Mapping[str, int]) -> list[str]:
+    """Write a section as it is at an event."""
+    names = sorted(name for name in section.makes if name in held)
+    condition = " and ".join((*_when(section), *section.gates))
+    if not condition:
+        return [*_comment(section), *section.lines]
+    stores = [f"m[{held[name]}] = {name}" for name in names]
+    reads = [f"{name} = m[{held[name]}]" for name in names]
+    otherwise = ["else:", *(f"    {line}" for line in reads)] if reads else []
+    return [*_comment(section), *_under(condition, [*section.lines, *stores]), *otherwise]
+
+
+def _when(section: Section) -> tuple[str, ...]:
+    if section.rate == CONTINUOUS:
+        return ()
+    return ("step",) if section.rate == MAJOR else (f"hits[{section.rate}]",)
+
+
+def _under(condition: str, lines: Iterable[str]) -> list[str]:
+    if not condition:
+        return [*lines]
+    return [f"if {condition}:", *(f"    {line}" for line in lines)]
+
+
+def _comment(section: Section) -> list[str]:
+    title = "".join(sign if sign.isprintable() else " " for sign in section.title)
+    return [f"# {title}"]
+
+
+def _definition(head: str, body: Iterable[str]) -> str:
+    return "\n".join((head, *(f"    {line}" for line in body)))
+
+
+def _settled(lines: Sequence[str]) -> Section:
+    section = Section(title="", lines=list(lines), rate=CONTINUOUS)
+    section.settle()
+    return section
+
+
+def _length(places: Mapping[str, slice]) -> int:
+    return max((place.stop for place in places.values()), default=0)
+
+
+def _code_at(pen: Pen, port: str) -> str:
+    return pen.values[port].code if port in pen.values else ""
+
+
+def _is_lasting(name: str, pen: Pen) -> bool:
+    from drake_leg.simulink.running.code import NAMESPACE
+
+    return name in NAMESPACE or name in pen.constants
+
+
+__all__ = ["Code", "Ports", "compile_signals", "flat", "literal"]

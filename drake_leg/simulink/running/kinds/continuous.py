@@ -1,0 +1,332 @@
+"""Blocks with continuous states: integrators, transfer functions, controllers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from scipy.signal import tf2ss, zpk2tf
+
+from drake_leg.simulink.running.code import Operand, Writer, literal
+from drake_leg.simulink.running.kinds import kind, no_inputs
+from drake_leg.simulink.running.kinds.discontinuities import limit_code
+from drake_leg.simulink.running.network import Node
+from drake_leg.simulink.running.settings import Settings, Signal, shape_of
+
+
+def _integrator_after(w: Writer) -> None:
+    u, state = w.numeric(0), w.kept["state 0"]
+    code = u.code
+    if "limits" in w.kept:
+        low, high = w.kept["limits"]
+        if u.is_scalar and not shape_of(state.start):
+            s = state.name
+            code = (
+                f"0.0 if ({s} >= {high} and {u.code} > 0.0) or ({s} <= {low} and {u.code} < 0.0) "
+                f"else {u.code}"
+            )
+        else:
+            s = state.name
+            code = (
+                f"np.where((({s} >= {high}) & ({u.code} > 0.0)) | "
+                f"(({s} <= {low}) & ({u.code} < 0.0)), 0.0, {u.code})"
+            )
+    w.derivative(code)
+    _reset(w, state)
+
+
+def _reset(w: Writer, state: object) -> None:
+    """Set the state again when a signal says so, and at the start from outside."""
+    how = w.settings.text("ExternalReset", "none")
+    external = w.settings.text("InitialConditionSource", "internal") == "external"
+    if how == "none":
+        return
+    u = w.numeric(1)
+    before = w.kept["reset"]
+    a, b = before.code, u.code
+    rising, falling = f"({a} <= 0.0 and {b} > 0.0)", f"({a} >= 0.0 and {b} < 0.0)"
+    code = {
+        "rising": rising,
+        "falling": falling,
+        "either": f"({rising} or {falling})",
+        "level": f"{b} != 0.0",
+        "level hold": f"{b} != 0.0",
+    }.get(how)
+    if code is None:
+        raise w.fault(f"is reset by {how!r}, which does not run")
+    start = w.numeric(2).code if external else w.constant(w.kept["start"])
+    w.set_state(code, start)
+    w.remember(b, number=1)
+
+
+def _integrator_inputs(node: Node, settings: Settings) -> Iterable[int]:
+    """Say that an integrator needs no input at once, but where it starts, if that is given."""
+    if settings.text("InitialConditionSource", "internal") == "internal":
+        return ()
+    return (2,) if settings.text("ExternalReset", "none") != "none" else (1,)
+
+
+@kind("Integrator", finish=_integrator_after, direct=_integrator_inputs, continuous=True)
+def integrator(w: Writer) -> None:
+    """Integrate."""
+    start: Signal = 0.0
+    if w.settings.text("InitialConditionSource", "internal") == "internal":
+        start = w.settings.array("InitialCondition", "0")
+    else:
+        start = w.numeric(1 + (w.settings.text("ExternalReset", "none") != "none")).value
+    w.kept["start"] = start
+    state = w.state(start)
+    if w.settings.text("ExternalReset", "none") != "none":
+        w.kept["reset"] = w.remembered(0.0, number=1)
+    if w.settings.is_on("LimitOutput"):
+        limits = [w.settings.array(f"{side}SaturationLimit", d) for side, d in (("Lower", "-inf"), ("Upper", "inf"))]
+        low, high = (w.constant(each) for each in limits)
+        w.kept["limits"] = low, high
+        w.out(limit_code(state, low, high))
+    elif w.settings.is_on("WrapState"):
+        low, high = (w.settings.number(f"WrappedState{side}Value", d) for side, d in (("Lower", "-pi"), ("Upper", "pi")))
+        width = literal(high - low)
+        wrap = "modulo" if state.is_scalar else "np.mod"
+        w.out(f"{wrap}({state.code} - {literal(low)}, {width}) + {literal(low)}")
+    else:
+        w.put(state)
+    if w.settings.is_on("ShowStatePort") and len(w.node.outputs) > 1:
+        w.put(state, 1)
+
+
+def _second_after(w: Writer) -> None:
+    w.derivative(w.kept["speed"], 0)
+    w.derivative(w.numeric(0).code, 1)
+
+
+@kind("SecondOrderIntegrator", finish=_second_after, direct=no_inputs, continuous=True)
+def second_order(w: Writer) -> None:
+    """Integrate twice."""
+    place = w.state(w.settings.array("ICX", "0"), 0)
+    speed = w.state(w.settings.array("ICDXDT", "0"), 1)
+    w.kept["speed"] = speed.code
+    w.put(place, 0)
+    w.put(speed, 1)
+
+
+@kind("PS Integrator", finish=lambda w: w.derivative(w.numeric(0).code), direct=no_inputs,
+      continuous=True, sample_time="")  # fmt: skip
+def ps_integrator(w: Writer) -> None:
+    """Integrate a physical signal."""
+    from drake_leg.simulink.running.kinds.sources import in_si
+
+    w.put(w.state(in_si(w, "x0", "0") if w.settings.has("x0") else in_si(w, "initial_condition", "0")))
+
+
+def _derivative_after(w: Writer) -> None:
+    u = w.numeric()
+    w.remember(u.code, number=0)
+    w.remember("t", number=1)
+    w.remember(w.kept["slope"], number=2)
+
+
+@kind("Derivative", finish=_derivative_after, sample_time="")
+def derivative(w: Writer) -> None:
+    """Take the slope since the last major step, or the derivative of a filtered signal."""
+    u = w.numeric()
+    before, at = w.remembered(u.value, number=0), w.remembered(0.0, number=1)
+    slope = w.remembered(u.value * 0.0, number=2)
+    w.kept["slope"] = w.out(
+        f"({u.code} - {before.code}) / (t - {at.code}) if t > {at.code} + 1e-12 else {slope.code}"
+    ).code
+
+
+# --- linear systems --------------------------------------------------------------------------
+
+
+def _linear(w: Writer, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, start: Signal) -> None:
+    """Write a linear system of states x: C x + D u."""
+    n = A.shape[0]
+    w.kept["linear"] = A, B
+    codes = []
+    if n:
+        x0 = np.broadcast_to(np.asarray(start, dtype=float), (n,)).copy()
+        state = w.state(x0)
+        w.kept["x"] = state.code
+        codes.append(f"{w.constant(C, 'C')} @ {state.code}")
+    if np.any(D) or not n:
+        codes.append(f"{w.constant(D, 'D')} @ {w.vector(0).code}")
+    w.out(f"settled({' + '.join(codes)})")
+
+
+def _linear_after(w: Writer) -> None:
+    A, B = w.kept["linear"]
+    if A.shape[0]:
+        w.derivative(f"{w.constant(A, 'A')} @ {w.kept['x']} + {w.constant(B, 'B')} @ {w.vector(0).code}")
+
+
+def _direct_linear(node: Node, settings: Settings) -> Iterable[int]:
+    if node.block.kind.startswith("Transfer"):
+        numerator, denominator = _fraction(settings)
+        return (0,) if len(numerator) >= len(denominator) else ()
+    if node.block.type == "ZeroPole":
+        same = settings.numbers("Zeros", "[1]").size >= settings.numbers("Poles", "[0 -1]").size
+        return (0,) if same else ()
+    return (0,) if np.any(settings.matrix("D", "1")) else ()
+
+
+def _fraction(settings: Settings) -> tuple[np.ndarray, np.ndarray]:
+    names = ("N", "D") if settings.block.type == "Reference" else ("Numerator", "Denominator")
+    numerator = np.trim_zeros(settings.numbers(names[0], "[1]"), "f")
+    return (numerator if numerator.size else np.zeros(1)), settings.numbers(names[1], "[1 1]")
+
+
+@kind("TransferFcn", "Transfer Fcn (with initial outputs)", finish=_linear_after,
+      direct=_direct_linear, continuous=True)  # fmt: skip
+def transfer_function(w: Writer) -> None:
+    """Filter by a transfer function, from rest."""
+    numerator, denominator = _fraction(w.settings)
+    if numerator.size > denominator.size or not denominator[0]:
+        raise w.fault("has a numerator of a higher degree than its denominator")
+    if denominator.size == 1:
+        w.kept["linear"] = np.zeros((0, 0)), np.zeros((0, 1))
+        w.out(f"{literal(numerator[0] / denominator[0])} * {w.numeric().code}")
+        return
+    A, B, C, D = tf2ss(numerator, denominator)
+    _linear(w, A, B, C, D, 0.0)
+
+
+@kind("ZeroPole", finish=_linear_after, direct=_direct_linear, continuous=True)
+def zero_pole(w: Writer) -> None:
+    """Filter by zeros, poles and a gain, from rest."""
+    get = w.settings.numbers
+    numerator, denominator = zpk2tf(get("Zeros", "[1]"), get("Poles", "[0 -1]"), w.settings.number("Gain", "1"))
+    A, B, C, D = tf2ss(np.atleast_1d(numerator), denominator)
+    _linear(w, A, B, C, D, 0.0)
+
+
+@kind("StateSpace", finish=_linear_after, direct=_direct_linear, continuous=True)
+def state_space(w: Writer) -> None:
+    """Filter by a linear system."""
+    A, B, C, D = (np.atleast_2d(w.settings.matrix(name, "1")) for name in "ABCD")
+    start = w.settings.array("X0" if w.settings.has("X0") else "InitialCondition", "0")
+    _linear(w, A, B, C, D, start)
+
+
+# --- delays ----------------------------------------------------------------------------------
+
+
+def _delay_after(w: Writer) -> None:
+    u = w.numeric()
+    w.remember(f"later({w.kept['history']}, t, {u.code}, {literal(w.kept['delay'])})")
+
+
+@kind("TransportDelay", finish=_delay_after, direct=no_inputs)
+def transport_delay(w: Writer) -> None:
+    """Delay a signal by a time, with lines between what was at major steps."""
+    delay = w.settings.number("DelayTime", "1")
+    start = w.settings.array("InitialOutput", "0")
+    history = w.remembered((), wish=f"{w.node.block.name}_history")
+    w.kept["history"], w.kept["delay"] = history.code, delay
+    w.out(f"earlier({history.code}, t - {literal(delay)}, {w.constant(start)})")
+
+
+# --- PID -------------------------------------------------------------------------------------
+
+
+def _pid_direct(node: Node, settings: Settings) -> Iterable[int]:
+    return range(len(node.inputs))
+
+
+def _pid_after(w: Writer) -> None:
+    kept = w.kept
+    if "integral" in kept:
+        code = kept["integral"]
+        if w.rate >= 0:
+            w.remember(f"{kept['i']} + {literal(w.period or 0.0)} * {code}", number=0)
+        else:
+            w.derivative(code, 0)
+    if "filter" in kept:
+        if w.rate >= 0:
+            w.remember(f"{kept['f']} + {literal(w.period or 0.0)} * {kept['filter']}", number=1)
+        else:
+            w.derivative(kept["filter"], 1)
+    if "error" in kept:
+        w.remember(kept["error"], number=2)
+
+
+@kind("PID Controller", "Discrete PID Controller", finish=_pid_after, direct=_pid_direct)
+def pid(w: Writer) -> None:
+    """Control by proportion, integral and filtered derivative, limited where that is asked."""
+    s = w.settings
+    letters = s.text("Controller", "PID")
+    if s.text("ControllerParametersSource", "internal") == "external":
+        raise w.fault("takes its gains from outside, which does not run: write them into it")
+    u = w.numeric()
+    gains = {letter: s.array(letter, d) for letter, d in (("P", "1"), ("I", "1"), ("D", "0"))}
+    p, i, d = (gains[letter] if letter in letters else 0.0 for letter in "PID")
+    ideal = s.text("Form", "Parallel") == "Ideal"
+    codes: list[Operand] = []
+    if np.any(p) and not ideal:
+        codes.append(w.let(f"{w.constant(p)} * {u.code}", "proportional"))
+    elif ideal:
+        codes.append(u)
+    discrete = w.rate >= 0
+    if np.any(i):
+        start = s.array("InitialConditionForIntegrator", "0")
+        integral = w.remembered(start, 0) if discrete else w.state(start, 0)
+        w.kept["i"] = integral.code
+        codes.append(_integral(w, integral, u, i, discrete=discrete))
+    if np.any(d):
+        codes.append(_derivative_term(w, u, d, discrete=discrete))
+    total = w.let(" + ".join(one.code for one in codes) or "0.0", "total")
+    if ideal:
+        total = w.let(f"{w.constant(p)} * {total.code}", "total")
+    limited = total
+    if s.is_on("LimitOutput"):
+        lower, upper = (
+            s.array(f"{side}SaturationLimit", dflt) for side, dflt in (("Lower", "-inf"), ("Upper", "inf"))
+        )
+        limited = w.let(limit_code(total, w.constant(lower), w.constant(upper)), "limited")
+    w.put(w.let(limited.code))
+    if np.any(i):
+        w.kept["integral"] = _anti_windup(w, f"{w.constant(i)} * {u.code}", total, limited)
+
+
+def _integral(w: Writer, integral: Operand, u: Operand, gain: Signal, *, discrete: bool) -> Operand:
+    """Write the part of the integral, as its method reads the present input."""
+    method = w.settings.text("IntegratorMethod", "Forward Euler")
+    if discrete and method != "Forward Euler":
+        share = 1.0 if method == "Backward Euler" else 0.5
+        step = literal(share * (w.period or 0.0))
+        if share == 0.5:
+            w.kept["error"] = u.code
+        return w.let(f"{integral.code} + {step} * {w.constant(gain)} * {u.code}", "integral_part")
+    return integral
+
+
+def _derivative_term(w: Writer, u: Operand, gain: Signal, *, discrete: bool) -> Operand:
+    """Write the filtered derivative: N (D u - f), where f integrates it."""
+    filtered = not discrete or w.settings.text("UseFilter", "on") == "on"
+    if not filtered:
+        before = w.remembered(u.value * 0.0, 2)
+        w.kept["error"] = u.code
+        return w.let(f"{w.constant(gain)} * ({u.code} - {before.code}) / {literal(w.period or 1.0)}", "derivative_part")
+    start = w.settings.array("InitialConditionForFilter", "0")
+    f = w.remembered(start, 1) if discrete else w.state(start, 1)
+    n = w.settings.array("N", "100")
+    made = w.let(f"{w.constant(n)} * ({w.constant(gain)} * {u.code} - {f.code})", "derivative_part")
+    w.kept["f"], w.kept["filter"] = f.code, made.code
+    return made
+
+
+def _anti_windup(w: Writer, code: str, total: Operand, limited: Operand) -> str:
+    mode = w.settings.text("AntiWindupMode", "none")
+    if mode == "none" or total is limited:
+        return code
+    if mode == "back-calculation":
+        kb = w.constant(w.settings.array("Kb", "1"))
+        return f"{code} + {kb} * ({limited.code} - {total.code})"
+    if mode == "clamping":
+        if total.is_scalar:
+            return f"0.0 if {total.code} != {limited.code} and ({total.code} > {limited.code}) == (({code}) > 0.0) else {code}"
+        return (
+            f"np.where(({total.code} != {limited.code}) & "
+            f"(({total.code} > {limited.code}) == (({code}) > 0.0)), 0.0, {code})"
+        )
+    raise w.fault(f"has the anti-windup method {mode!r}, which does not run")

@@ -1,0 +1,128 @@
+"""Blocks with corners: limits, dead zones, relays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drake_leg.simulink.running.code import Operand, Writer
+from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.settings import Signal
+
+
+def _with(w: Writer, u: Operand, *values: Signal) -> tuple[Operand, list[str]]:
+    """Let an input and limits have one shape; return the limits' code."""
+    operands = [u, *(Operand(code=w.constant(v), value=v) for v in values)]
+    u, *limits = w.alike(operands)
+    return u, [one.code for one in limits]
+
+
+@kind("Saturate", "Saturation", "PS Saturation")
+def saturation(w: Writer) -> None:
+    """Keep a signal between two limits."""
+    names = ("LowerLimit", "UpperLimit")
+    if w.node.block.kind.startswith("PS"):
+        names = ("lower_limit", "upper_limit")
+    lower, upper = (w.settings.array(n, d) for n, d in zip(names, ("-0.5", "0.5"), strict=True))
+    u, (low, high) = _with(w, w.numeric(), lower, upper)
+    w.out(limit_code(u, low, high))
+
+
+def limit_code(u: Operand, low: str, high: str) -> str:
+    """Write a limit."""
+    return f"limited({u.code}, {low}, {high})" if u.is_scalar else f"np.clip({u.code}, {low}, {high})"
+
+
+@kind("Saturation Dynamic")
+def dynamic_saturation(w: Writer) -> None:
+    """Keep a signal between two others."""
+    up, u, low = w.alike([w.numeric(0), w.numeric(1), w.numeric(2)])
+    w.out(limit_code(u, low.code, up.code))
+
+
+@kind("DeadZone", "PS Dead Zone")
+def dead_zone(w: Writer) -> None:
+    """Put out how far a signal is outside of a zone."""
+    get = w.settings.array
+    if w.node.block.kind.startswith("PS"):
+        lower, upper = get("lower_limit", "-0.5"), get("upper_limit", "0.5")
+    else:
+        lower, upper = get("LowerValue", "-0.5"), get("UpperValue", "0.5")
+    u, (low, high) = _with(w, w.numeric(), lower, upper)
+    if u.is_scalar:
+        w.out(f"dead({u.code}, {low}, {high})")
+    else:
+        w.out(f"{u.code} - np.clip({u.code}, {low}, {high})")
+
+
+@kind("Quantizer")
+def quantizer(w: Writer) -> None:
+    """Round to multiples of an interval."""
+    u, (q,) = _with(w, w.numeric(), w.settings.array("QuantizationInterval", "0.5"))
+    name = "rounded" if u.is_scalar else "rounded_array"
+    w.out(f"{q} * {name}({u.code} / {q})")
+
+
+@kind("Coulomb & Viscous Friction")
+def friction(w: Writer) -> None:
+    """Put out friction: an offset against the motion, and a gain."""
+    u, (offset, gain) = _with(
+        w, w.numeric(), w.settings.array("offset", "1"), w.settings.array("gain", "1")
+    )
+    sign = f"sign({u.code})" if u.is_scalar else f"np.sign({u.code})"
+    w.out(f"{sign} * ({gain} * abs({u.code}) + {offset})")
+
+
+def _output_after(w: Writer) -> None:
+    w.remember(w.kept["output"])
+
+
+@kind("Relay", finish=_output_after)
+def relay(w: Writer) -> None:
+    """Switch on above one value, and off below another."""
+    u = w.numeric()
+    get = w.settings.array
+    on, off = get("OnSwitchValue", "eps"), get("OffSwitchValue", "eps")
+    high, low = get("OnOutputValue", "1"), get("OffOutputValue", "0")
+    u, (on_c, off_c, high_c, low_c) = _with(w, u, on, off, high, low)
+    before = w.remembered(low if not isinstance(u.value, np.ndarray) else np.full(u.shape, low))
+    if u.is_scalar:
+        code = f"{high_c} if {u.code} >= {on_c} else ({low_c} if {u.code} <= {off_c} else {before.code})"
+    else:
+        code = (
+            f"np.where({u.code} >= {on_c}, {high_c}, "
+            f"np.where({u.code} <= {off_c}, {low_c}, {before.code}))"
+        )
+    w.kept["output"] = w.out(code).code
+
+
+@kind("RateLimiter", finish=_output_after, major=True, sample_time="")
+def rate_limiter(w: Writer) -> None:
+    """Limit the slope of a signal, from step to step."""
+    u = w.numeric()
+    rising, falling = w.settings.array("RisingSlewLimit", "1"), w.settings.array("FallingSlewLimit", "-1")
+    u, (up, down) = _with(w, u, rising, falling)
+    before = w.remembered(u.value)
+    at = w.remembered(0.0, number=1)
+    since = f"(t - {at.code})"
+    moved = Operand(code=f"{u.code} - {before.code}", value=u.value)
+    low, high = f"{down} * {since}", f"{up} * {since}"
+    w.kept["output"] = w.out(f"{before.code} + {limit_code(moved, low, high)}").code
+
+
+def _with_time(w: Writer) -> None:
+    _output_after(w)
+    w.remember("t", number=1)
+
+
+kind("RateLimiter", finish=_with_time, major=True, sample_time="")(rate_limiter)
+
+
+@kind("Backlash", finish=_output_after, major=True)
+def backlash(w: Writer) -> None:
+    """Follow a signal with play."""
+    u = w.numeric()
+    half = w.settings.number("BacklashWidth", "1") / 2.0
+    before = w.remembered(w.settings.array("InitialOutput", "0"))
+    low, high = f"{u.code} - {half!r}", f"{u.code} + {half!r}"
+    one = Operand(code=before.code, value=u.value)
+    w.kept["output"] = w.out(limit_code(one, low, high)).code

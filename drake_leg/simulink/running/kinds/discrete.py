@@ -1,0 +1,204 @@
+"""Blocks that change at sample times: delays, holds, discrete filters."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.signal import tf2ss
+
+from collections.abc import Iterable
+
+from drake_leg.simulink.running.code import Operand, Writer, literal
+from drake_leg.simulink.running.kinds import kind, no_inputs
+from drake_leg.simulink.running.kinds.discontinuities import limit_code
+from drake_leg.simulink.running.network import Node
+from drake_leg.simulink.running.settings import Settings, Signal, shape_of
+
+
+def _input_after(w: Writer) -> None:
+    w.remember(w.input(0).code)
+
+
+@kind("UnitDelay", finish=_input_after, direct=no_inputs, sampled=True)
+def unit_delay(w: Writer) -> None:
+    """Put out what came in one sample ago."""
+    name = "InitialCondition" if w.settings.has("InitialCondition") else "X0"
+    _delayed(w, w.settings.array(name, "0"))
+
+
+def _delayed(w: Writer, start: Signal) -> None:
+    before = w.remembered(start)
+    w.put(w.let(before.code))
+
+
+@kind("Memory", finish=_input_after, direct=no_inputs, major=True, sample_time="")
+def memory(w: Writer) -> None:
+    """Put out what came in at the major step before."""
+    name = "InitialCondition" if w.settings.has("InitialCondition") else "X0"
+    _delayed(w, w.settings.array(name, "0"))
+
+
+def _queue_after(w: Writer) -> None:
+    w.remember(f"({w.kept['queue']} + ({w.input(0).code},))[1:]")
+
+
+@kind("Delay", finish=_queue_after, direct=no_inputs, sampled=True)
+def delay(w: Writer) -> None:
+    """Put out what came in several samples ago."""
+    if w.settings.text("DelayLengthSource", "Dialog") != "Dialog":
+        raise w.fault("takes its length from a port, which does not run")
+    length = int(w.settings.number("DelayLength", "2"))
+    start = w.settings.array("InitialCondition", "0.0")
+    shape = w.pen.shapes.get(f"{w.node.sid}.queue", shape_of(start))
+    if shape != shape_of(start):
+        start = np.broadcast_to(np.asarray(start, dtype=float), shape).copy()
+    queue = w.remembered((start,) * max(length, 1))
+    w.kept["queue"] = queue.code
+    w.out(f"{queue.code}[0]")
+    w.kept["start"] = start
+
+
+def _queue_shape(w: Writer) -> None:
+    u = w.input(0)
+    if shape_of(u.value) != shape_of(w.kept["start"]) and not isinstance(u.value, dict):
+        w.pen.wanted[f"{w.node.sid}.queue"] = u.shape
+    _queue_after(w)
+
+
+kind("Delay", finish=_queue_shape, direct=no_inputs, sampled=True)(delay)
+
+
+@kind("ZeroOrderHold", sampled=True)
+@kind("RateTransition", sample_time="OutPortSampleTime")
+def hold(w: Writer) -> None:
+    """Hold what came in at the last sample."""
+    w.put(w.let(w.input(0).code))
+
+
+def _integral_after(w: Writer) -> None:
+    gain = w.kept["gain"]
+    u = w.numeric(0)
+    step = f"{w.kept['state']} + {gain} * {u.code}"
+    if w.kept["method"] == "trapezoidal":
+        step = f"{w.kept['output']} + 0.5 * {gain} * {u.code}"
+    elif w.kept["method"] == "backward":
+        step = w.kept["output"]
+    if "limits" in w.kept:
+        one = Operand(code=step, value=u.value)
+        step = limit_code(one, *w.kept["limits"])
+    w.remember(step)
+
+
+def _integral_inputs(node: Node, settings: Settings) -> Iterable[int]:
+    forward = "Forward" in settings.text("IntegratorMethod", "Integration: Forward Euler")
+    return () if forward else (0,)
+
+
+@kind("DiscreteIntegrator", finish=_integral_after, direct=_integral_inputs, sampled=True)
+def discrete_integrator(w: Writer) -> None:
+    """Sum up, by one of three methods."""
+    if w.settings.text("ExternalReset", "none") != "none":
+        raise w.fault("is reset from outside, which does not run")
+    method = w.settings.text("IntegratorMethod", "Integration: Forward Euler")
+    sums = method.startswith("Accumulation")
+    gain = w.settings.array("gainval", "1.0")
+    w.kept["gain"] = w.constant(gain if sums else gain * (w.period or 1.0))
+    w.kept["method"] = "backward" if "Backward" in method else (
+        "trapezoidal" if "Trapezoidal" in method else "forward"
+    )
+    before = w.remembered(w.settings.array("InitialCondition", "0"))
+    w.kept["state"] = before.code
+    code = before.code
+    if w.kept["method"] != "forward":
+        share = "" if w.kept["method"] == "backward" else "0.5 * "
+        code = f"{code} + {share}{w.kept['gain']} * {w.numeric(0).code}"
+    if w.settings.is_on("LimitOutput"):
+        limits = [
+            w.settings.array(f"{side}SaturationLimit", d) for side, d in (("Lower", "-inf"), ("Upper", "inf"))
+        ]
+        w.kept["limits"] = [w.constant(each) for each in limits]
+        code = limit_code(Operand(code=code, value=before.value), *w.kept["limits"])
+    w.kept["output"] = w.out(code).code
+
+
+def _filter_after(w: Writer) -> None:
+    A, B = w.kept["linear"]
+    if A.shape[0]:
+        w.remember(
+            f"{w.constant(A, 'A')} @ {w.kept['x']} + {w.constant(B, 'B')} @ {w.vector(0).code}"
+        )
+
+
+def _filter_inputs(node: Node, settings: Settings) -> Iterable[int]:
+    return (0,) if np.any(_matrices(node.block.type, settings)[3]) else ()
+
+
+def _matrices(kind_of_block: str, s: Settings) -> tuple[np.ndarray, ...]:
+    """Return A, B, C, D of a discrete filter."""
+    if kind_of_block == "DiscreteStateSpace":
+        return tuple(np.atleast_2d(s.matrix(name, "1")) for name in "ABCD")
+    if kind_of_block == "DiscreteFir":
+        numerator, denominator = s.numbers("Coefficients", "[0.5 0.5]"), np.ones(1)
+    elif kind_of_block == "DiscreteZeroPole":
+        from scipy.signal import zpk2tf
+
+        numerator, denominator = zpk2tf(
+            s.numbers("Zeros", "[1]"), s.numbers("Poles", "[0 0.5]"), s.number("Gain", "1")
+        )
+    else:
+        numerator, denominator = s.numbers("Numerator", "[1]"), s.numbers("Denominator", "[1 0.5]")
+    if kind_of_block in ("DiscreteFilter", "DiscreteFir"):  # in powers of 1/z
+        longest = max(numerator.size, denominator.size)
+        numerator = np.pad(numerator, (0, longest - numerator.size))
+        denominator = np.pad(denominator, (0, longest - denominator.size))
+    if denominator.size == 1:
+        return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), numerator.reshape(1, 1) / denominator
+    return tuple(tf2ss(np.trim_zeros(numerator, "f") if np.any(numerator) else numerator[:1], denominator))
+
+
+@kind("DiscreteTransferFcn", "DiscreteFilter", "DiscreteStateSpace", "DiscreteFir",
+      "DiscreteZeroPole", finish=_filter_after, direct=_filter_inputs, sampled=True)  # fmt: skip
+def discrete_filter(w: Writer) -> None:
+    """Filter by a discrete linear system, from rest."""
+    A, B, C, D = _matrices(w.node.block.type, w.settings)
+    w.kept["linear"] = A, B
+    codes = []
+    if A.shape[0]:
+        x = w.remembered(np.zeros(A.shape[0]))
+        w.kept["x"] = x.code
+        codes.append(f"{w.constant(C, 'C')} @ {x.code}")
+    if np.any(D) or not codes:
+        codes.append(f"{w.constant(D, 'D')} @ {w.vector(0).code}")
+    w.out(f"settled({' + '.join(codes)})")
+
+
+@kind("Discrete Derivative", "Difference", finish=_input_after, sampled=True)
+def difference(w: Writer) -> None:
+    """Take the difference from the sample before, divided by the sample time."""
+    u = w.numeric()
+    before = w.remembered(w.settings.array("ICPrevScaledInput", "0"))
+    if w.node.block.kind == "Difference":
+        w.out(f"{u.code} - {before.code}")
+        return
+    gain = w.settings.number("gainval", "1.0")
+    if w.period is None:
+        raise w.fault("has no sample time: set one")
+    w.out(f"{literal(gain / w.period)} * ({u.code} - {before.code})")
+
+
+def _average_after(w: Writer) -> None:
+    length = w.kept["length"]
+    w.remember(f"({w.kept['window']} + ({w.input(0).code},))[-{length}:]")
+
+
+@kind("Moving Average", finish=_average_after, sampled=True, sample_time="")
+def average(w: Writer) -> None:
+    """Average over a sliding window; before it is full, what is missing counts as zero."""
+    if w.settings.text("Method", "Sliding window") != "Sliding window":
+        raise w.fault("averages with a forgetting factor, which does not run")
+    length = int(w.settings.number("WindowLength", "4"))
+    w.kept["length"] = max(length - 1, 1)
+    window = w.remembered(())
+    w.kept["window"] = window.code
+    u = w.numeric()
+    past = f"sum({window.code})" if length > 1 else "0.0"
+    w.out(f"({u.code} + {past}) / {literal(float(length))}")

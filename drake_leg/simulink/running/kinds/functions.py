@@ -1,0 +1,74 @@
+"""Blocks of MATLAB code: functions and expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from drake_leg.simulink.running.code import Operand, Writer
+from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.network import Node
+from drake_leg.simulink.running.settings import Settings
+
+
+def expression_code(w: Writer, text: str, names: Mapping[str, Operand]) -> str:
+    """Write the value of a MATLAB expression of some names."""
+    from drake_leg.simulink.matlab.compiling import compiled_expression
+
+    function = compiled_expression(text, names=tuple(names))
+    arguments = ", ".join(one.code for one in names.values())
+    return f"{w.constant(function, 'expression')}({arguments})"
+
+
+@kind("Fcn")
+def fcn(w: Writer) -> None:
+    """Evaluate an expression of u."""
+    w.out(f"float({expression_code(w, w.settings.text('Expr', 'u'), {'u': w.numeric()})})")
+
+
+@kind("MATLABFcn")
+def matlab_fcn(w: Writer) -> None:
+    """Call a function by its name, or evaluate an expression of u."""
+    text = w.settings.text("MATLABFcn", "sin")
+    if "(" not in text:
+        text = f"{text}(u)"
+    w.out(f"settled({expression_code(w, text, {'u': w.numeric()})})")
+
+
+def _after(w: Writer) -> None:
+    if "kept" in w.kept:
+        w.remember(w.kept["kept"])
+
+
+def _is_direct(node: Node, _: Settings) -> Iterable[int]:
+    return range(len(node.inputs))
+
+
+@kind("MATLAB Function", finish=_after, direct=_is_direct)
+def matlab_function(w: Writer) -> None:
+    """Call the code of a MATLAB Function block."""
+    from drake_leg.simulink.matlab.compiling import compiled
+
+    script = w.node.script
+    if not script.strip():
+        raise w.fault("has no code in the file: save the model again in Simulink")
+    function = compiled(script, name=w.node.block.name, parameters=w.parameters_of_function())
+    name = w.constant(function, w.node.block.name)
+    inputs = [w.input(place) for place in range(len(function.inputs))]
+    arguments = ", ".join(one.code for one in inputs)
+    start = function.start()
+    before = "{}"
+    if start:
+        before = f"copied({w.remembered(start).code})"
+    kept = w.let(before, "kept")
+    made = w.let(f"{name}.call({', '.join(filter(None, (kept.code, arguments)))})", "results")
+    if start:
+        w.kept["kept"] = kept.code
+    for place, value in enumerate(made.value):
+        code = f"{made.code}[{place}]"
+        if isinstance(value, bool | np.bool_ | int):
+            code = f"float({code})"
+        elif isinstance(value, np.ndarray) and value.dtype == np.bool_:
+            code = f"{code}.astype(float)"
+        w.out(code, place, wish=function.outputs[place])

@@ -1,0 +1,131 @@
+"""What lets a subsystem run: an enable signal, a trigger, an If, a Switch Case; and its outputs."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from drake_leg.simulink.matlab.data import Cell, numbers_of
+from drake_leg.simulink.running.code import Operand, Writer
+from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.settings import flat
+
+
+def _gate(w: Writer, condition: str) -> None:
+    name = w.pen.name(f"{w.node.block.path.rpartition('/')[0].rpartition('/')[2]}_runs")
+    w.write(f"{name} = bool({condition})")
+    w.kept["gate"] = name
+
+
+@kind("EnablePort", sample_time="")
+def enable(w: Writer) -> None:
+    """Let a subsystem run while any element of a signal is positive."""
+    u = w.numeric()
+    _gate(w, f"{u.code} > 0.0" if u.is_scalar else f"({u.code} > 0.0).any()")
+
+
+@kind("ActionPort", sample_time="")
+def action(w: Writer) -> None:
+    """Let a subsystem run while an If or a Switch Case chooses it."""
+    _gate(w, f"{w.input(0).code} != 0.0")
+
+
+def _before(w: Writer) -> None:
+    w.remember(w.numeric().code)
+
+
+@kind("TriggerPort", major=True, finish=_before, sample_time="")
+def trigger(w: Writer) -> None:
+    """Let a subsystem run once when a signal crosses zero."""
+    how = w.settings.text("TriggerType", "rising")
+    if how not in ("rising", "falling", "either"):
+        raise w.fault(f"waits for a {how}, which does not run: use an edge")
+    u = w.numeric()
+    before = w.remembered(u.value if isinstance(u.value, float) else flat(u.value))
+    a, b = before.code, u.code
+    rising, falling = f"({a} <= 0.0) & ({b} > 0.0)", f"({a} >= 0.0) & ({b} < 0.0)"
+    code = {"rising": rising, "falling": falling, "either": f"({rising}) | ({falling})"}[how]
+    _gate(w, code if u.is_scalar else f"({code}).any()")
+
+
+@kind("If", sample_time="")
+def if_block(w: Writer) -> None:
+    """Choose the first branch whose condition holds, else the last."""
+    inputs = [w.numeric(place) for place in range(w.count)]
+    names = {f"u{place + 1}": one for place, one in enumerate(inputs)}
+    conditions = [w.settings.text("IfExpression", "u1 > 0")]
+    others = w.settings.text("ElseIfExpressions")
+    conditions += [part.strip() for part in _parts(others)] if others else []
+    places = _action_places(w)
+    taken = w.let("False", "chosen")
+    for place, condition in enumerate(conditions):
+        holds = w.let(f"not {taken.code} and bool({_condition(w, condition, names)})", "holds")
+        taken = w.let(f"{taken.code} or {holds.code}", "chosen")
+        if place in places:
+            w.put(w.let(f"float({holds.code})"), places[place])
+    if len(conditions) in places:
+        w.put(w.let(f"float(not {taken.code})"), places[len(conditions)])
+
+
+def _action_places(w: Writer) -> dict[int, int]:
+    """Map the number of a branch to the place of its output."""
+    return {
+        int(port.rpartition(":")[2]) - 1: place
+        for place, port in enumerate(w.node.outputs)
+    }
+
+
+def _parts(text: str) -> list[str]:
+    """Split conditions at the commas outside of parentheses."""
+    found, depth = [""], 0
+    for sign in text:
+        depth += (sign in "([") - (sign in ")]")
+        if sign == "," and not depth:
+            found.append("")
+        else:
+            found[-1] += sign
+    return found
+
+
+def _condition(w: Writer, text: str, names: dict[str, Operand]) -> str:
+    """Write a condition of MATLAB text on the inputs."""
+    from drake_leg.simulink.running.kinds.functions import expression_code
+
+    return expression_code(w, text, names)
+
+
+@kind("SwitchCase", sample_time="")
+def switch_case(w: Writer) -> None:
+    """Choose the branch whose list holds the input, else the default."""
+    u = w.numeric()
+    cases = w.settings.value("CaseConditions", "{1}")
+    items = list(cases.items.ravel()) if isinstance(cases, Cell) else [cases]
+    places = _action_places(w)
+    taken = w.let("False", "chosen")
+    for place, case in enumerate(items):
+        numbers = [float(each) for each in np.ravel(numbers_of(case))]
+        holds = w.let(f"not {taken.code} and fix({u.code}) in {tuple(numbers)}", "holds")
+        taken = w.let(f"{taken.code} or {holds.code}", "chosen")
+        if place in places:
+            w.put(w.let(f"float({holds.code})"), places[place])
+    if len(items) in places:
+        w.put(w.let(f"float(not {taken.code})"), places[len(items)])
+
+
+@kind("Outport", sample_time="")
+def outport(w: Writer) -> None:
+    """Hold what a gated subsystem puts out; at the top of a model, show it."""
+    if not w.node.block.system:
+        from drake_leg.simulink.running.kinds.sinks import show
+
+        show(w, [w.node.block.name])
+        return
+    u = w.input(0)
+    made = w.let(u.code)
+    port = f"{w.node.sid}#out:1"
+    w.pen.values[port] = made
+    w.pen.gates_of[port] = w.gates
+    given = w.settings.text("InitialOutput", "[]")
+    if given not in ("", "[]") and not re.fullmatch(r"\[\s*\]", given):
+        w.pen.initial[made.code] = w.settings.array("InitialOutput")

@@ -1,0 +1,323 @@
+"""Blocks that only carry signals: vectors, buses, selections."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drake_leg.simulink.matlab.data import Struct
+from drake_leg.simulink.running.code import Operand, Writer, literal
+from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.settings import as_signal, flat, shape_of
+
+_PASS = (
+    "SignalConversion", "SignalSpecification", "IC", "InitialCondition", "Squeeze",
+    "DataTypeDuplicate", "PS Signal Specification", "Unit Conversion", "PS Unit Conversion",
+    "HitCross", "Environment Controller",
+)  # fmt: skip
+
+
+@kind(*_PASS, sample_time="")
+def passed(w: Writer) -> None:
+    """Pass a signal on."""
+    w.put(w.input(0))
+
+
+@kind("DataTypeConversion", sample_time="")
+def converted(w: Writer) -> None:
+    """Convert to another type: whole numbers are rounded and kept in their range."""
+    u = w.input(0)
+    kind_of_number = w.settings.text("OutDataTypeStr", "Inherit").removeprefix("Inherit").lower()
+    if "int" not in kind_of_number and kind_of_number != "boolean":
+        w.put(u)
+        return
+    if kind_of_number == "boolean":
+        w.out(f"float({u.code} != 0.0)" if u.is_scalar else f"({u.code} != 0.0).astype(float)")
+        return
+    info = np.iinfo(kind_of_number) if kind_of_number.lstrip("u").startswith("int") else None
+    if info is None:
+        w.put(u)
+        return
+    how = w.settings.text("RndMeth", "Floor")
+    name = {"Floor": "floor", "Ceiling": "ceil", "Zero": "fix"}.get(how, "rounded")
+    array = {"floor": "np.floor", "ceil": "np.ceil", "fix": "np.trunc", "rounded": "rounded_array"}
+    lower, upper = literal(float(info.min)), literal(float(info.max))
+    if u.is_scalar:
+        w.out(f"limited({name}({u.code}), {lower}, {upper})")
+    else:
+        w.out(f"np.clip({array[name]}({u.code}), {lower}, {upper})")
+
+
+@kind("Mux", "Bus to Vector", "BusToVector", sample_time="")
+def mux(w: Writer) -> None:
+    """Join signals to a vector."""
+    operands = w.inputs
+    if len(operands) == 1 and not isinstance(operands[0].value, dict):
+        w.put(operands[0])
+    elif all(one.is_scalar for one in operands):
+        w.out(f"array([{', '.join(one.code for one in operands)}])")
+    else:
+        w.out(f"joined({', '.join(one.code for one in operands)})")
+
+
+@kind("Demux", sample_time="")
+def demux(w: Writer) -> None:
+    """Take a vector apart."""
+    u = w.vector()
+    asked = [int(each) for each in w.settings.numbers("Outputs", "4")]
+    if len(asked) == 1 and asked[0] > 1:
+        count = asked[0]
+        least, more = divmod(u.size, count)
+        if not least:
+            raise w.fault(f"takes {u.size} numbers apart into {count} outputs")
+        widths = [least + (place < more) for place in range(count)]
+    else:
+        widths = asked
+        rest = u.size - sum(width for width in widths if width > 0)
+        open_ends = [place for place, width in enumerate(widths) if width < 0]
+        for number, place in enumerate(open_ends):
+            share, more = divmod(rest, len(open_ends))
+            widths[place] = share + (number < more)
+    if sum(widths) != u.size:
+        raise w.fault(f"takes {u.size} numbers apart into outputs of {widths}")
+    first = 0
+    for place, width in enumerate(widths):
+        if width == 1:
+            w.out(f"float({u.code}[{first}])", place)
+        else:
+            w.out(f"{u.code}[{first}:{first + width}]", place)
+        first += width
+
+
+@kind("BusCreator", sample_time="")
+def bus(w: Writer) -> None:
+    """Join signals under their names."""
+    names = bus_names(w)
+    items = ", ".join(
+        f"{name!r}: {one.code}" for name, one in zip(names, w.inputs, strict=False)
+    )
+    w.out(f"{{{items}}}")
+
+
+def bus_names(w: Writer) -> list[str]:
+    """Names of the signals of a bus: as the block lists them, or those of the lines."""
+    given = w.settings.text("Inputs", "")
+    if given and not given.isdigit() and "," in given or given.startswith("'"):
+        listed = [part.strip().strip("'") for part in given.split(",")]
+        if len(listed) == w.count:
+            return listed
+    names: list[str] = []
+    for place in range(w.count):
+        name = w.node.names[place] or f"signal{place + 1}"
+        while name in names:
+            name += f"_{place + 1}"
+        names.append(name)
+    return names
+
+
+@kind("BusSelector", sample_time="")
+def selected_of_bus(w: Writer) -> None:
+    """Take signals out of a bus by their names."""
+    asked = [part.strip() for part in w.settings.text("OutputSignals", "").split(",")]
+    u = w.input(0)
+    if not isinstance(u.value, dict):
+        if len(asked) == 1:
+            w.put(u)
+            return
+        u = w.vector()
+        for place in range(len(asked)):
+            w.out(f"float({u.code}[{place}])", place)
+        return
+    made = [_of_bus(w, u, name) for name in asked]
+    if w.settings.is_on("OutputAsBus"):
+        items = ", ".join(f"{name!r}: {one.code}" for name, one in zip(asked, made, strict=True))
+        w.out(f"{{{items}}}")
+        return
+    for place, one in enumerate(made):
+        w.put(w.let(one.code, asked[place]), place)
+
+
+def _of_bus(w: Writer, bus: Operand, name: str) -> Operand:
+    code, value = bus.code, bus.value
+    for part in name.split("."):
+        if not isinstance(value, dict) or part not in value:
+            numbered = part.removeprefix("signal")
+            names = list(value) if isinstance(value, dict) else []
+            if numbered.isdigit() and 0 < int(numbered) <= len(names):
+                part = names[int(numbered) - 1]
+            else:
+                known = ", ".join(names[:10])
+                raise w.fault(f"selects {name!r}, but the bus has {known or 'no such signal'}")
+        code, value = f"{code}[{part!r}]", value[part]
+    return Operand(code=code, value=value)
+
+
+@kind("BusAssignment", sample_time="")
+def assigned_in_bus(w: Writer) -> None:
+    """Replace signals of a bus."""
+    names = [part.strip() for part in w.settings.text("AssignedSignals", "").split(",")]
+    items = ", ".join(
+        f"{name!r}: {w.input(place + 1).code}" for place, name in enumerate(names)
+    )
+    w.out(f"{{**{w.input(0).code}, {items}}}")
+
+
+@kind("Selector", sample_time="")
+def selector(w: Writer) -> None:
+    """Take elements out of a vector or a matrix."""
+    dimensions = int(w.settings.number("NumberOfDimensions", "1"))
+    options = [part.strip() for part in w.settings.text("IndexOptions", "Index vector (dialog)").split(",")]
+    first = 1 if w.settings.text("IndexMode", "One-based") == "One-based" else 0
+    u = w.vector() if dimensions == 1 else w.numeric()
+    shape = (u.size,) if dimensions == 1 else shape_of(u.value)
+    if dimensions == 2 and u.value.ndim == 1:
+        u = Operand(code=f"{u.code}.reshape(-1, 1)", value=u.value.reshape(-1, 1))
+        shape = u.shape
+    texts = _index_texts(w, dimensions)
+    port, places = 1, []
+    for axis in range(dimensions):
+        option = options[min(axis, len(options) - 1)]
+        if option == "Select all":
+            places.append(":")
+        elif option == "Index vector (dialog)":
+            indices = np.ravel(w.settings.evaluate(texts[axis], "Indices")) - first
+            places.append(_listed(w, indices, shape[axis]))
+        elif option == "Index vector (port)":
+            index = w.input(port)
+            port += 1
+            at = f"selected(0, {index.code} - {first}, {shape[axis]})"
+            if not index.is_scalar:
+                at = f"[selected(0, i - {first}, {shape[axis]}) for i in {index.code}]"
+            places.append(at)
+        elif option.startswith("Starting index"):
+            size = int(np.ravel(w.settings.evaluate(_sizes(w)[axis], "OutputSizes"))[0])
+            if "port" in option:
+                start = f"selected(0, {w.input(port).code} - {first}, {shape[axis]})"
+                port += 1
+            else:
+                start = str(int(np.ravel(w.settings.evaluate(texts[axis], "Indices"))[0]) - first)
+            places.append(f"{start}:{start} + {size}" if "(" in start else f"{start}:{int(start) + size}")
+        else:
+            raise w.fault(f"selects by {option!r}, which does not run")
+    if dimensions == 2 and all(place.startswith("[") for place in places):
+        code = f"{u.code}[np.ix_({', '.join(places)})]"
+    else:
+        code = f"{u.code}[{', '.join(places)}]"
+    w.out(f"settled({code})")
+
+
+def _index_texts(w: Writer, dimensions: int) -> list[str]:
+    many = w.settings.text("IndexParamArray")
+    if many:
+        return [part for part in many.split("|||")] if "|||" in many else [many] * dimensions
+    single = w.settings.text("Indices", "[1 3]")
+    parts = [part.strip() for part in single.split(",")] if dimensions > 1 else [single]
+    return parts if len(parts) == dimensions else [single] * dimensions
+
+
+def _sizes(w: Writer) -> list[str]:
+    text = w.settings.text("OutputSizes", "1")
+    parts = [part.strip() for part in text.split(",")]
+    return parts if len(parts) > 1 else parts * 4
+
+
+def _listed(w: Writer, indices: np.ndarray, count: int) -> str:
+    for index in indices:
+        if not 0 <= index < count:
+            raise w.fault(f"selects element {index + 1:g} of {count}")
+    return str([int(index) for index in indices])
+
+
+@kind("Concatenate", "Matrix Concatenate", "Vector Concatenate", sample_time="")
+def concatenated(w: Writer) -> None:
+    """Join vectors, or matrices side by side or one below the other."""
+    if w.settings.text("Mode", "Vector") == "Vector":
+        w.out(f"joined({', '.join(one.code for one in w.inputs)})")
+        return
+    axis = int(w.settings.number("ConcatenateDimension", "1")) - 1
+    parts = ", ".join(f"as_matrix({one.code})" for one in w.inputs)
+    w.out(f"settled(np.concatenate([{parts}], axis={axis}))")
+
+
+@kind("Reshape", sample_time="")
+def reshaped(w: Writer) -> None:
+    """Give a signal another shape, column by column."""
+    how = w.settings.text("OutputDimensionality", "1-D array")
+    u = w.vector()
+    if how.startswith("1-D"):
+        w.put(u)
+    elif how.startswith("Column"):
+        w.out(f"{u.code}.reshape(-1, 1)")
+    elif how.startswith("Row"):
+        w.out(f"{u.code}.reshape(1, -1)")
+    elif how.startswith("Customize"):
+        shape = tuple(int(each) for each in w.settings.numbers("OutputDimensions", "[1 1]"))
+        if np.prod(shape) != u.size:
+            raise w.fault(f"gives {u.size} numbers the shape {shape}")
+        w.out(f"settled({u.code}.reshape({shape}, order='F'))")
+    else:
+        raise w.fault(f"reshapes to {how!r}, which does not run")
+
+
+@kind("PermuteDimensions", sample_time="")
+def permuted(w: Writer) -> None:
+    """Exchange rows and columns."""
+    order = [int(each) for each in w.settings.numbers("Order", "[2,1]")]
+    u = w.numeric()
+    w.out(f"as_matrix({u.code}).T" if order == [2, 1] else u.code)
+
+
+@kind("Assignment", sample_time="")
+def assigned(w: Writer) -> None:
+    """Replace elements of a vector."""
+    first = 1 if w.settings.text("IndexMode", "One-based") == "One-based" else 0
+    if w.settings.text("IndexOptions", "Index vector (dialog)") != "Index vector (dialog)":
+        raise w.fault("takes its indices from a port, which does not run")
+    indices = np.ravel(w.settings.value("Indices", "1")) - first
+    u = w.vector(0)
+    w.out(f"replaced({u.code}, {_listed(w, indices, u.size)}, {w.input(1).code})")
+
+
+@kind("Width", constant=True)
+def width(w: Writer) -> None:
+    """Put out how many elements a signal has."""
+    w.out(literal(float(w.input(0).size)))
+
+
+@kind("DataStoreMemory", constant=True)
+def store(w: Writer) -> None:
+    """Hold a value by name."""
+    _slot_of_store(w, as_signal(w.settings.matrix("InitialValue", "0")))
+
+
+def _slot_of_store(w: Writer, start: object) -> int:
+    name = w.settings.text("DataStoreName", "A")
+    stores = w.pen.stores
+    if name not in stores:
+        stores[name] = w.pen.slot(start, name)
+    elif start is not None:
+        w.pen.slots[stores[name]] = start
+    return stores[name]
+
+
+@kind("DataStoreRead")
+def store_read(w: Writer) -> None:
+    """Read a value by name."""
+    slot = _slot_of_store(w, None)
+    if w.pen.slots[slot] is None:
+        w.pen.slots[slot] = 0.0
+    w.out(f"m[{slot}]")
+
+
+def _store_written(w: Writer) -> None:
+    w.kept["slot 0"] = _slot_of_store(w, None)
+    if w.pen.slots[w.kept["slot 0"]] is None:
+        w.pen.slots[w.kept["slot 0"]] = flat(w.input(0).value) * 0.0
+    w.remember(w.input(0).code)
+
+
+@kind("DataStoreWrite", finish=_store_written, direct=lambda node, settings: ())
+def store_write(w: Writer) -> None:
+    """Write a value by name, at sample times and major steps."""
+
+
+assert Struct  # buses of scripts are structures

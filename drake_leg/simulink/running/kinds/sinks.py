@@ -1,0 +1,66 @@
+"""Blocks that show or end: scopes, workspace variables, displays, stops."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from drake_leg.simulink.running.code import Operand, Recorded, Writer
+from drake_leg.simulink.running.kinds import kind
+
+
+def show(w: Writer, names: Sequence[str]) -> None:
+    """Record the signals at all inputs."""
+    for place in range(w.count):
+        if w.node.inputs[place] is None:
+            continue
+        u = w.input(place)
+        wish = names[place] if place < len(names) else ""
+        for name, one in _leaves(wish or w.node.names[place], u):
+            w.pen.recorded.append(
+                Recorded(
+                    name=name,
+                    code=one.code,
+                    value=one.value,
+                    block=w.node.block.path or w.node.block.name,
+                    port=place + 1,
+                )
+            )
+
+
+def _leaves(name: str, u: Operand) -> list[tuple[str, Operand]]:
+    if not isinstance(u.value, dict):
+        return [(name, u)]
+    found = []
+    for key, value in u.value.items():
+        label = f"{name}.{key}" if name else str(key)
+        found += _leaves(label, Operand(code=f"{u.code}[{key!r}]", value=value))
+    return found
+
+
+@kind("Scope", "Display", "XY Graph", "FloatingScope", "DashboardScope", "Record", "ToFile",
+      "DisplayBlock", "SignalViewerScope", "Spectrum Analyzer", sample_time="")  # fmt: skip
+def scope(w: Writer) -> None:
+    """Show signals over time."""
+    show(w, [])
+
+
+@kind("ToWorkspace")
+def to_workspace(w: Writer) -> None:
+    """Show a signal under the name of a variable."""
+    show(w, [w.settings.text("VariableName", "simout")])
+
+
+@kind("Terminator", "PS Terminator", "Check Static Range", "Assertion", "Simulation Pace",
+      "Real-Time Pacer", "LinearGaugeBlock", "SemiCircularGaugeBlock", "GaugeBlock", "LampBlock",
+      "Publish", sample_time="")  # fmt: skip
+def ended(_: Writer) -> None:
+    """Do nothing."""
+
+
+@kind("Stop", sample_time="")
+def stop(w: Writer) -> None:
+    """End the run when a signal is not zero."""
+    u = w.numeric()
+    code = f"float({u.code} != 0.0)" if u.is_scalar else f"float(({u.code} != 0.0).any())"
+    made = w.let(code, "stops")
+    w.pen.stops.append((made.code, w.node.block.name))

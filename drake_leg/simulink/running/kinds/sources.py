@@ -1,0 +1,292 @@
+"""Blocks that make signals of time alone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drake_leg.simulink.running.code import Writer, literal
+from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.settings import Signal, as_signal
+
+MOST_BREAKS = 10_000
+
+
+def alike(*values: Signal) -> list[Signal]:
+    """Widen numbers to the shape of the widest."""
+    shape = max((np.shape(value) for value in values), key=lambda s: (len(s), s), default=())
+    if shape == ():
+        return list(values)
+    return [np.broadcast_to(np.asarray(value, dtype=float), shape).copy() for value in values]
+
+
+@kind("Constant", constant=True, sample_time="SampleTime")
+def constant(w: Writer) -> None:
+    """Put out a value."""
+    w.out(w.constant(value_of(w, "Value", "1")))
+
+
+def value_of(w: Writer, name: str, default: str) -> Signal:
+    """Evaluate a value; a row or a column is a vector unless the block says otherwise."""
+    found = w.settings.value(name, default)
+    if isinstance(found, dict):
+        return {key: as_signal(np.atleast_2d(each)) for key, each in found.items()}
+    matrix = w.settings.matrix(name, default)
+    if w.settings.text("VectorParams1D", "on") == "off" and matrix.size > 1:
+        return matrix
+    return as_signal(matrix)
+
+
+@kind("Ground", constant=True)
+def ground(w: Writer) -> None:
+    """Put out zero."""
+    w.out("0.0")
+
+
+@kind("Clock", "DigitalClock")
+def clock(w: Writer) -> None:
+    """Put out the time [s]."""
+    w.out("t")
+
+
+@kind("Sin")
+def sine(w: Writer) -> None:
+    """Put out a sine of time."""
+    get = w.settings.array
+    amplitude, bias = get("Amplitude", "1"), get("Bias", "0")
+    if w.settings.text("SineType", "Time based") != "Time based":
+        samples, offset = w.settings.number("Samples", "10"), w.settings.number("Offset", "0")
+        period = w.period or 0.0
+        frequency: Signal = 2.0 * np.pi / (samples * period) if period else 0.0
+        phase: Signal = 2.0 * np.pi * offset / samples
+    else:
+        frequency, phase = get("Frequency", "1"), get("Phase", "0")
+    at = "t"
+    if w.settings.text("TimeSource") == "Use external signal":
+        at = w.input(0).code
+    amplitude, bias, frequency, phase = alike(amplitude, bias, frequency, phase)
+    function = "np.sin" if isinstance(amplitude, np.ndarray) else "sin"
+    turned = f"{w.constant(frequency)} * {at}" + _plus(w, phase)
+    w.out(f"{w.constant(amplitude)} * {function}({turned})" + _plus(w, bias))
+
+
+def _plus(w: Writer, value: Signal) -> str:
+    return f" + {w.constant(value)}" if np.any(value) else ""
+
+
+@kind("Step", "PS Step")
+def step(w: Writer) -> None:
+    """Step from one value to another."""
+    if w.node.block.kind == "PS Step":
+        names = ("time", "initial", "final")
+    else:
+        names = ("Time", "Before", "After")
+    time, before, after = alike(
+        *(w.settings.array(name, default) for name, default in zip(names, "101", strict=True))
+    )
+    if isinstance(time, np.ndarray):
+        w.pen.breaks |= set(time.tolist())
+        code = f"np.where(t < {w.constant(time)}, {w.constant(before)}, {w.constant(after)})"
+    else:
+        w.pen.breaks.add(time)
+        code = f"{w.constant(before)} if t < {w.constant(time)} else {w.constant(after)}"
+    w.out(code)
+
+
+@kind("Ramp", "PS Ramp")
+def ramp(w: Writer) -> None:
+    """Rise from a start time on."""
+    names = ("slope", "start", "InitialOutput")
+    if w.node.block.kind == "PS Ramp":
+        names = ("slope", "start_time", "initial_output")
+    slope, start, initial = alike(
+        *(w.settings.array(name, default) for name, default in zip(names, "100", strict=True))
+    )
+    if isinstance(slope, np.ndarray):
+        rise = f"np.maximum(t - {w.constant(start)}, 0.0)"
+        w.pen.breaks |= set(np.ravel(start).tolist())
+    else:
+        rise = f"max(t - {w.constant(start)}, 0.0)"
+        w.pen.breaks.add(float(start))
+    made = w.out(f"{w.constant(initial)} + {w.constant(slope)} * {rise}")
+    if w.node.feeds_motion and made.is_scalar:
+        speed = w.let(f"{w.constant(slope)} if t >= {w.constant(start)} else 0.0")
+        w.pen.dots[w.node.outputs[0]] = (speed.code, "0.0")
+
+
+@kind("PS Constant", constant=True)
+def ps_constant(w: Writer) -> None:
+    """Put out a physical constant, in SI."""
+    made = w.out(w.constant(in_si(w, "constant", "0")))
+    zero = "0.0" if made.is_scalar else f"zeros({made.shape})"
+    w.pen.dots[w.node.outputs[0]] = (zero, zero)
+
+
+def in_si(w: Writer, name: str, default: str) -> Signal:
+    """Evaluate a parameter of a physical block, in SI."""
+    from drake_leg.units import parse_unit
+
+    value = w.settings.array(name, default)
+    unit = w.settings.text(f"{name}_unit", "1")
+    if unit in ("1", ""):
+        return value
+    scale = parse_unit(unit)
+    if isinstance(value, np.ndarray):
+        return np.array([scale.in_si(each) for each in value.ravel()]).reshape(value.shape)
+    return scale.in_si(value)
+
+
+@kind("PS Sine Wave")
+def ps_sine(w: Writer) -> None:
+    """Put out a physical sine, with its derivatives."""
+    amplitude = in_si(w, "amplitude", "1")
+    frequency = in_si(w, "frequency", "1")
+    phase, bias = in_si(w, "phase", "0"), in_si(w, "bias", "0")
+    a, f, p, b = (w.constant(each) for each in (amplitude, frequency, phase, bias))
+    made = w.out(f"{b} + {a} * sin({f} * t + {p})")
+    first = w.let(f"{a} * {f} * cos({f} * t + {p})")
+    w.pen.dots[w.node.outputs[0]] = (first.code, f"(-{f}**2 * ({made.code} - {b}))")
+
+
+@kind("DiscretePulseGenerator")
+def pulse(w: Writer) -> None:
+    """Put out pulses; their width is a share of the period in percent, or a count of samples."""
+    get = w.settings.array
+    amplitude, period, width, delay = alike(
+        get("Amplitude", "1"), get("Period", "10"), get("PulseWidth", "5"), get("PhaseDelay", "0")
+    )
+    if w.settings.text("PulseType", "Time based") != "Time based":
+        sample = w.period or 1.0
+        width = width * 100.0 / period
+        period, delay = period * sample, delay * sample
+    for p, on, d in zip(np.ravel(period), np.ravel(width), np.ravel(delay), strict=True):
+        w.pen.waves.extend([(float(p), float(d)), (float(p), float(d + p * on / 100.0))])
+    w.out(
+        f"pulses(t, {w.constant(amplitude)}, {w.constant(period)}, {w.constant(width)}, "
+        f"{w.constant(delay)})"
+    )
+
+
+@kind("SignalGenerator")
+def generator(w: Writer) -> None:
+    """Put out a sine, a square, a sawtooth or noise."""
+    form = w.settings.text("WaveForm", "sine")
+    amplitude = w.settings.number("Amplitude", "1")
+    frequency = w.settings.number("Frequency", "1")
+    if w.settings.text("Units", "Hertz").lower().startswith("h"):
+        frequency *= 2.0 * np.pi
+    a, f = literal(amplitude), literal(frequency)
+    if form == "random":
+        w.out(f"{a} * noise(t, 0, 0.0, -1.0, 1.0)")
+        return
+    if form != "sine" and frequency > 0.0:
+        w.pen.waves.append((float(np.pi / frequency), 0.0))
+    forms = {
+        "sine": f"{a} * sin({f} * t)",
+        "square": f"{a} if modulo({f} * t, {literal(2 * np.pi)}) < {literal(np.pi)} else -{a}",
+        "sawtooth": f"{a} * (2.0 * modulo({f} * t / {literal(2 * np.pi)} + 0.5, 1.0) - 1.0)",
+    }
+    if form not in forms:
+        raise w.fault(f"puts out {form!r}, which does not run: choose sine, square or sawtooth")
+    w.out(forms[form])
+
+
+@kind("Repeating Sequence")
+def repeating(w: Writer) -> None:
+    """Repeat a sequence, with straight lines between its points."""
+    times, values = w.settings.numbers("rep_seq_t", "[0 2]"), w.settings.numbers("rep_seq_y", "[0 2]")
+    _check_table(w, times, values)
+    first, period = times[0], times[-1] - times[0]
+    for corner in times[: MOST_BREAKS // 100]:
+        w.pen.waves.append((float(period), float(corner - first)))
+    at = f"modulo(t, {literal(period)}) + {literal(first)}"
+    w.out(f"float(np.interp({at}, {w.constant(times)}, {w.constant(values)}))")
+
+
+@kind("Repeating Sequence Stair", "Repeating Sequence Interpolated", sample_time="tsamp")
+def stair(w: Writer) -> None:
+    """Repeat a sequence, sample by sample."""
+    values = w.settings.numbers("OutValues", "[3 1 4 2 1]")
+    if w.node.block.kind.endswith("Interpolated"):
+        times = w.settings.numbers("TimeValues", "[0 1]")
+        _check_table(w, times, values)
+        at = f"modulo(t, {literal(times[-1])})"
+        w.out(f"float(np.interp({at}, {w.constant(times)}, {w.constant(values)}))")
+        return
+    sample = w.period or 1.0
+    code = f"int(modulo(rounded(t / {literal(sample)}), {literal(len(values))}))"
+    w.out(f"float({w.constant(values)}[{code}])")
+
+
+def _check_table(w: Writer, times: np.ndarray, values: np.ndarray) -> None:
+    if len(times) != len(values) or len(times) < 2 or np.any(np.diff(times) < 0.0):
+        raise w.fault(
+            f"has {len(times)} times and {len(values)} values; give as many of both, the times "
+            "rising"
+        )
+
+
+@kind("Chirp Signal")
+def chirp(w: Writer) -> None:
+    """Put out a sine whose frequency rises."""
+    f1, f2 = w.settings.number("f1", "0.1"), w.settings.number("f2", "1")
+    rate = (f2 - f1) / w.settings.number("T", "100")
+    w.out(f"sin({literal(2 * np.pi)} * ({literal(f1)} + {literal(rate / 2)} * t) * t)")
+
+
+@kind("RandomNumber", "UniformRandomNumber", sample_time="SampleTime")
+def random(w: Writer) -> None:
+    """Put out random numbers, the same in every run; they are not MATLAB's."""
+    seed = int(w.settings.numbers("Seed", "0")[0])
+    sample = literal(w.period or 0.0)
+    if w.node.block.type == "RandomNumber":
+        mean, variance = w.settings.number("Mean", "0"), w.settings.number("Variance", "1")
+        w.out(f"normal_noise(t, {seed}, {sample}, {literal(mean)}, {literal(variance**0.5)})")
+    else:
+        lower, upper = w.settings.number("Minimum", "-1"), w.settings.number("Maximum", "1")
+        w.out(f"noise(t, {seed}, {sample}, {literal(lower)}, {literal(upper)})")
+
+
+@kind("FromWorkspace")
+def from_workspace(w: Writer) -> None:
+    """Put out what a variable says over time: a matrix of time and values, or a structure."""
+    times, values = workspace_table(w, w.settings.value("VariableName", "simin"))
+    end = w.settings.text("OutputAfterFinalValue", "Extrapolation")
+    held = end == "Holding final value"
+    if w.settings.text("Interpolate", "on") == "off":
+        method = "steps"
+    else:
+        method = "hold" if held else ("zero" if end == "Setting to zero" else "lines")
+    w.out(f"over_time(t, {w.constant(times, 'times')}, {w.constant(values, 'values')}, '{method}')")
+
+
+def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray]:
+    """Read times (n,) and values (n, k) of a variable."""
+    from drake_leg.simulink.matlab.data import Struct, array_of
+
+    if isinstance(given, Struct) and "time" in given and "signals" in given:
+        times = np.asarray(array_of(given["time"]), dtype=float).ravel()
+        values = np.asarray(array_of(given["signals"]["values"]), dtype=float)
+    elif isinstance(given, np.ndarray) and given.ndim == 2 and given.shape[1] > 1:
+        times, values = np.asarray(given[:, 0], dtype=float), np.asarray(given[:, 1:], dtype=float)
+    else:
+        raise w.fault(
+            "reads a variable that is neither a matrix of time and values nor a structure with "
+            "time and signals"
+        )
+    values = values.reshape(values.shape[0], -1)
+    if values.shape[0] != len(times) or not len(times):
+        raise w.fault(f"reads {len(times)} times and {values.shape[0]} rows of values")
+    return times, values
+
+
+@kind("Inport")
+def inport(w: Writer) -> None:
+    """Put out zero: nothing is given at a model's own ports."""
+    w.out("0.0")
+
+
+@kind("SliderBlock", "KnobBlock", "Joystick Input")
+def by_hand(w: Writer) -> None:
+    """Put out zero: nobody moves it."""
+    for place in range(max(len(w.node.outputs), 1)):
+        w.out("0.0", place)

@@ -1,0 +1,89 @@
+"""Lookup tables."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drake_leg.simulink.running.code import Writer
+from drake_leg.simulink.running.kinds import kind
+
+
+@kind("Lookup_n-D", "Lookup", "PS Lookup Table (1D)", "Interpolation_n-D")
+def lookup(w: Writer) -> None:
+    """Look a number up: lines between points, in one dimension or two."""
+    s = w.settings
+    dimensions = int(s.number("NumberOfTableDimensions", "1"))
+    if w.node.block.type == "Lookup":
+        points, values = s.numbers("InputValues", "[-5:5]"), s.numbers("Table", "tanh([-5:5])")
+        method, beyond = s.text("LookUpMeth", "Interpolation-Extrapolation"), ""
+        beyond = "clip" if "Use End" in method else "line"
+        _one(w, points, values, beyond, "linear")
+        return
+    if w.node.block.kind.startswith("PS"):
+        beyond = "line" if "linear" in s.text("extrap_method", "") else "clip"
+        _one(w, s.numbers("x", "[1:5]"), s.numbers("f", "[0:4]"), beyond, "linear")
+        return
+    method = {"Flat": "flat", "Nearest": "nearest", "None - Flat": "flat"}.get(
+        s.text("InterpMethod", "Linear point-slope"), "linear"
+    )
+    if s.text("InterpMethod", "Linear") in ("Cubic spline", "Akima spline"):
+        method = "spline"
+    beyond = "clip" if s.text("ExtrapMethod", "Linear") == "Clip" else "line"
+    points = _points(w, 1)
+    table = s.matrix("Table", "[0 1]")
+    if dimensions == 1:
+        _one(w, points, table.ravel(order="F"), beyond, method)
+    elif dimensions == 2:
+        _two(w, points, _points(w, 2), table, beyond)
+    else:
+        raise w.fault(f"has {dimensions} dimensions; tables of one or two run")
+
+
+@kind("Lookup2D")
+def lookup_2d(w: Writer) -> None:
+    """Look a number up in a table of two dimensions."""
+    s = w.settings
+    rows, columns = s.numbers("RowIndex", "[1 2]"), s.numbers("ColumnIndex", "[1 2]")
+    beyond = "clip" if "Use End" in s.text("LookUpMeth", "") else "line"
+    _two(w, rows, columns, s.matrix("Table", "[0 1;1 2]"), beyond)
+
+
+def _points(w: Writer, dimension: int) -> np.ndarray:
+    if w.settings.text("BreakpointsSpecification", "Explicit values") == "Even spacing":
+        first = w.settings.number(f"BreakpointsForDimension{dimension}FirstPoint", "1")
+        spacing = w.settings.number(f"BreakpointsForDimension{dimension}Spacing", "1")
+        count = w.settings.matrix("Table", "[0 1]")
+        length = count.size if 1 in count.shape else count.shape[dimension - 1]
+        return np.asarray(first + spacing * np.arange(length))
+    return w.settings.numbers(f"BreakpointsForDimension{dimension}", "[1 2]")
+
+
+def _one(w: Writer, points: np.ndarray, values: np.ndarray, beyond: str, method: str) -> None:
+    if len(points) != len(values) or not len(points) or np.any(np.diff(points) <= 0.0):
+        raise w.fault(
+            f"has {len(points)} points and {len(values)} values: give as many of both, the points "
+            "rising"
+        )
+    p, v = w.constant(points, "points"), w.constant(values, "values")
+    u = w.numeric()
+    call = f"table_1d({{0}}, {p}, {v}, beyond='{beyond}', method='{method}')"
+    if method == "spline":
+        from scipy.interpolate import CubicSpline
+
+        curve = w.constant(CubicSpline(points, values), "curve")
+        w.out(f"float({curve}({u.code}))" if u.is_scalar else f"{curve}({u.code})")
+        return
+    if u.is_scalar:
+        w.out(call.format(u.code))
+    else:
+        w.out(f"array([{call.format('each')} for each in flat({u.code})]).reshape({u.shape})")
+
+
+def _two(w: Writer, rows: np.ndarray, columns: np.ndarray, table: np.ndarray, beyond: str) -> None:
+    if table.shape != (len(rows), len(columns)):
+        raise w.fault(f"has a table of {table.shape} for {len(rows)} rows, {len(columns)} columns")
+    r, c = w.constant(rows, "rows"), w.constant(columns, "columns")
+    w.out(
+        f"table_2d({w.input(0).code}, {w.input(1).code}, {r}, {c}, {w.constant(table, 'table')}, "
+        f"beyond='{beyond}')"
+    )

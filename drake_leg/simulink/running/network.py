@@ -1,0 +1,172 @@
+"""The signals of a model as a network: blocks, what drives their inputs, and what gates them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
+from drake_leg.simulink.model import Block, Function, Model, split_port
+from drake_leg.simulink.wiring import flatten
+
+GATES = ("EnablePort", "TriggerPort", "ActionPort")
+LOOPS = ("ForEach", "ForIterator", "WhileIterator")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Node:
+    """A block of signals, physical ones included."""
+
+    block: Block
+    inputs: tuple[str | None, ...]  # the port that drives each; None where nothing does
+    names: tuple[str, ...]  # of the signals at them; "" where they have none
+    outputs: tuple[str, ...]  # ports, those that nothing reads included
+    gates: tuple[str, ...] = ()  # SIDs of the gate blocks of the systems around, outermost first
+    script: str = ""  # of a MATLAB Function
+    read: frozenset[str] = frozenset()  # outputs that something reads
+    feeds_motion: bool = False  # whether the derivatives of what it puts out are asked for
+
+    @property
+    def sid(self) -> str:
+        """Return the SID of its block."""
+        return self.block.sid
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SignalNetwork:
+    """All signals of a model."""
+
+    nodes: Mapping[str, Node]  # by SID
+    commands: Mapping[str, str]  # port of the mechanism -> port that drives it
+    sensed: frozenset[str]  # ports of the mechanism that drive signals
+    loops: tuple[Block, ...] = ()  # subsystems that iterate
+    functions: Mapping[str, Function] = field(default_factory=dict)
+
+
+def signal_network(model: Model, motions: frozenset[str] = frozenset()) -> SignalNetwork:
+    """Find the network of a model's signals.
+
+    Parameters
+    ----------
+    model : Model
+        The model, with its subsystems.
+    motions : frozenset of str
+        Ports of the mechanism that ask for derivatives.
+
+    Raises
+    ------
+    InvalidValueError
+        If a From has no Goto or several, or a signal runs in a circle without any block.
+    """
+    return _Reading(model, motions).network()
+
+
+class _Reading:
+    def __init__(self, model: Model, motions: frozenset[str]) -> None:
+        self._model, self._motions = model, motions
+        self._flat = flatten(model, gates=True)
+        self._blocks = {block.sid: block for block in self._flat.blocks}
+        self._systems = {block.sid: block for block in model.blocks}
+        physical = network_of(self._flat)
+        self._of_signals = {sid for sid in self._blocks if sid not in physical.physical} | {
+            sid for sid in physical.physical if sid not in physical.mechanical
+        }
+        self._drivers = {wire.target: wire.source for wire in self._flat.wires}
+        self._names = {wire.target: wire.name for wire in self._flat.wires}
+        for node in physical.signals:
+            self._drivers |= dict.fromkeys(node[1:], node[0])
+        self._read = frozenset(self._drivers.values())
+        self._gates: dict[str, list[str]] = {}
+        for block in self._flat.blocks:
+            if block.type in GATES and block.system:
+                self._gates.setdefault(block.system, []).append(block.sid)
+
+    def network(self) -> SignalNetwork:
+        nodes = {sid: self._node(self._blocks[sid]) for sid in self._blocks if self._has(sid)}
+        commands = {
+            target: source
+            for target, source in self._drivers.items()
+            if split_port(target)[0] not in nodes
+        }
+        sensed = {port for port in self._read if split_port(port)[0] not in nodes}
+        loops = {block.system for block in self._model.blocks if block.type in LOOPS}
+        return SignalNetwork(
+            nodes=nodes,
+            commands=commands,
+            sensed=frozenset(sensed),
+            loops=tuple(self._systems[sid] for sid in loops if sid in self._systems),
+        )
+
+    def _has(self, sid: str) -> bool:
+        block = self._blocks[sid]
+        drives = any(port.startswith(f"{sid}#") for port in (*self._drivers, *self._read))
+        return sid in self._of_signals and (drives or not block.source.startswith("nesl"))
+
+    @cached_property
+    def _ports(self) -> dict[str, dict[str, int]]:
+        """Count the ports of each block by kind, as wires show them."""
+        found: dict[str, dict[str, int]] = {}
+        for port in (*self._drivers, *self._read):
+            sid, kind, number = split_port(port)
+            kinds = found.setdefault(sid, {})
+            kinds[kind] = max(kinds.get(kind, 0), number)
+        return found
+
+    def _node(self, block: Block) -> Node:
+        counts = self._ports.get(block.sid, {})
+        ins = [f"in:{n + 1}" for n in range(max(counts.get("in", 0), block.ports.get("in", 0)))]
+        ins += [f"lconn:{n + 1}" for n in range(counts.get("lconn", 0))]
+        outs = [f"out:{n + 1}" for n in range(max(counts.get("out", 0), block.ports.get("out", 0)))]
+        outs += [f"ifaction:{n + 1}" for n in range(counts.get("ifaction", 0))]
+        outs += [f"rconn:{n + 1}" for n in range(counts.get("rconn", 0))]
+        if block.kind == TO_PHYSICAL:
+            ins = [port for port in ins if port.startswith("in")]
+        if block.kind == TO_SIGNAL:
+            ins = [port for port in (*ins, *outs) if "conn" in port][:1]
+            outs = ["out:1"]
+        targets = [f"{block.sid}#{port}" for port in ins]
+        outputs = tuple(f"{block.sid}#{port}" for port in outs)
+        return Node(
+            block=block,
+            inputs=tuple(self._drivers.get(target) for target in targets),
+            names=tuple(self._names.get(target, "") for target in targets),
+            outputs=outputs,
+            gates=self._gates_around(block),
+            script=self._scripts.get(block.sid, ""),
+            read=frozenset(port for port in outputs if port in self._read),
+            feeds_motion=self._feeds_motion(block.sid),
+        )
+
+    @cached_property
+    def _scripts(self) -> dict[str, str]:
+        return {function.sid: function.script for function in self._model.functions}
+
+    def _feeds_motion(self, sid: str) -> bool:
+        """Whether a signal of a block comes to a motion, through physical signals or at once."""
+        return sid in self._before_motions
+
+    @cached_property
+    def _before_motions(self) -> set[str]:
+        found: set[str] = set()
+        line = [self._drivers[port] for port in self._motions if port in self._drivers]
+        while line:
+            sid = split_port(line.pop())[0]
+            if sid in found or sid not in self._blocks:
+                continue
+            found.add(sid)
+            if self._blocks[sid].kind.startswith("PS "):
+                count = self._ports.get(sid, {}).get("lconn", 0)
+                targets = [f"{sid}#lconn:{n + 1}" for n in range(count)]
+                line += [self._drivers[port] for port in targets if port in self._drivers]
+        return found
+
+    def _gates_around(self, block: Block) -> tuple[str, ...]:
+        found: list[str] = []
+        system = block.system
+        if block.type in GATES and system:
+            system = self._systems[system].system  # a gate is not behind itself
+        while system:
+            found += self._gates.get(system, [])
+            system = self._systems[system].system
+        return tuple(reversed(found))

@@ -1,0 +1,124 @@
+"""How often each block runs: always, at its sample times, or at every major step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.model import split_port
+from drake_leg.simulink.running.code import CONTINUOUS, MAJOR
+from drake_leg.simulink.running.kinds import Kind
+from drake_leg.simulink.running.network import Node
+from drake_leg.simulink.running.settings import Settings
+
+NEVER = math.inf  # a constant
+Rate = tuple[float, float]  # period and offset [s]
+ALWAYS: Rate = (0.0, 0.0)
+ROUNDS = 50
+
+
+class Rates:
+    """The rates of all blocks.
+
+    Parameters
+    ----------
+    nodes : mapping
+        The blocks that run, with their kinds.
+    fixed_step : float, optional
+        Of a solver of fixed steps [s]: a delay of a continuous signal takes it.
+    """
+
+    def __init__(self, nodes: Mapping[str, tuple[Node, Kind]], fixed_step: float | None) -> None:
+        self._nodes, self._fixed_step = nodes, fixed_step
+        self._found: dict[str, Rate | None] = {}
+        self.inherited_delays: list[str] = []  # names of delays of continuous signals
+        self._settle()
+        sampled = {rate for rate in self._found.values() if rate and 0.0 < rate[0] < NEVER}
+        self.periods: tuple[Rate, ...] = tuple(sorted(sampled))
+
+    def of(self, sid: str) -> int:
+        """Return the index of a block's rate, or CONTINUOUS, or MAJOR."""
+        node, kind = self._nodes[sid]
+        rate = self._found[sid] or ALWAYS
+        if kind.major or (kind.sampled and rate[0] in (0.0, NEVER)):
+            return MAJOR
+        return self.periods.index(rate) if 0.0 < rate[0] < NEVER else CONTINUOUS
+
+    def period(self, sid: str) -> float | None:
+        """Return the sample time [s] of a block, None where it is continuous."""
+        rate = self._found[sid] or ALWAYS
+        return rate[0] if 0.0 < rate[0] < NEVER else None
+
+    def _settle(self) -> None:
+        for sid, (node, kind) in self._nodes.items():
+            self._found[sid] = self._own(node, kind)
+        for _ in range(ROUNDS):
+            changed = False
+            for sid, (node, _) in self._nodes.items():
+                if self._found[sid] is None:
+                    self._found[sid] = self._inherited(node)
+                    changed |= self._found[sid] is not None
+            if not changed:
+                break
+        for sid, (node, kind) in self._nodes.items():
+            rate = self._found[sid]
+            if kind.sampled and (rate is None or rate[0] in (0.0, NEVER)):
+                if self._fixed_step:
+                    self._found[sid] = (self._fixed_step, 0.0)
+                else:
+                    self.inherited_delays.append(node.block.name)
+
+    def _own(self, node: Node, kind: Kind) -> Rate | None:
+        """Return the rate that a block has by itself, None where it inherits it."""
+        if kind.continuous or kind.major:
+            return ALWAYS
+        settings = Settings(node.block)
+        given = settings.text(kind.sample_time) if kind.sample_time else ""
+        if given:
+            numbers = settings.numbers(kind.sample_time)
+            period = float(numbers[0]) if numbers.size else -1.0
+            offset = float(numbers[1]) if numbers.size > 1 else 0.0
+            if period > 0.0:
+                return (NEVER, 0.0) if math.isinf(period) else (period, max(offset, 0.0))
+            if period == 0.0:
+                return ALWAYS
+            if period not in (-1.0, -2.0):
+                raise InvalidValueError(
+                    f"{settings.about(kind.sample_time)} is {period:g}; it must be -1, 0 or more"
+                )
+        if kind.constant:
+            return NEVER, 0.0
+        return None if any(node.inputs) else ALWAYS
+
+    def _inherited(self, node: Node) -> Rate | None:
+        """Return the rate that a block takes over from its inputs, None where that is not known."""
+        rates: set[Rate] = set()
+        for port in node.inputs:
+            if port is None:
+                continue
+            sid = split_port(port)[0]
+            rate = self._found[sid] if sid in self._nodes else ALWAYS
+            if rate is None:
+                continue
+            rates.add(rate)
+        moving = {rate for rate in rates if rate[0] != NEVER}
+        if ALWAYS in moving:
+            return ALWAYS
+        if moving:
+            return min(moving)
+        return (NEVER, 0.0) if rates and all(
+            port is None or split_port(port)[0] not in self._nodes
+            or self._found[split_port(port)[0]] is not None
+            for port in node.inputs
+        ) else None
+
+
+def next_hit(rate: Rate, time: float) -> bool:
+    """Whether a rate has a sample time now."""
+    period, offset = rate
+    steps = (time - offset) / period
+    return steps > -1e-9 and abs(steps - round(steps)) < 1e-6
+
+
+__all__ = ["CONTINUOUS", "MAJOR", "Rates", "next_hit"]

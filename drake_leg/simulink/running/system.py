@@ -1,0 +1,187 @@
+"""The signals of a model as one system of Drake's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import reduce
+from typing import Any
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    ContinuousState,
+    EventStatus,
+    LeafSystem,
+    State,
+)
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.running.compiling import Code
+from drake_leg.simulink.running.rates import Rate, next_hit
+from drake_leg.simulink.running.settings import flat
+
+MOST_TICKS = 1e7  # of a base rate in its longest period
+
+
+class Memory(list[Any]):
+    """What blocks remember; a copy shares the values, which nothing changes in place."""
+
+    def __deepcopy__(self, _: object) -> Memory:
+        return Memory(self)
+
+
+class SignalSystem(LeafSystem):
+    """All signals of a Simulink model: its blocks, compiled to functions.
+
+    ============ ===== =================== ==================================================
+    port         kind  size                meaning
+    ============ ===== =================== ==================================================
+    ``sensed``   in    ``sensed``          what the mechanism senses of positions and speeds
+    ``efforts``  in    ``efforts``         its forces and accelerations
+    ``u``        out   ``commands``        forces and motions for the mechanism, in SI
+    ``scopes``   out   ``code.recorded``   what sinks show, then whether a Stop block stops
+    ============ ===== =================== ==================================================
+
+    A port of no size is left out.
+
+    Parameters
+    ----------
+    code : Code
+        The compiled signals.
+    sensed, efforts, commands : int
+        Sizes of the vectors between signals and mechanism.
+    """
+
+    def __init__(self, code: Code, *, sensed: int = 0, efforts: int = 0, commands: int = 0) -> None:
+        super().__init__()
+        self.code = code
+        functions = code.functions()
+        self._commands, self._derivatives = functions["commands"], functions["derivatives"]
+        self._record, self._major = functions["record"], functions["major"]
+        self._none = np.zeros(0)
+        self.DeclareContinuousState(BasicVector(code.x))
+        self._memory = self.DeclareAbstractState(AbstractValue.Make(Memory(code.memory)))
+        self._sensed = self.DeclareVectorInputPort("sensed", sensed) if sensed else None
+        self._efforts = self.DeclareVectorInputPort("efforts", efforts) if efforts else None
+        before = {self.time_ticket(), self.xc_ticket(), self.abstract_state_ticket(self._memory)}
+        if commands:
+            needs = set(before)
+            if code.needs_sensed and self._sensed is not None:
+                needs.add(self.input_port_ticket(self._sensed.get_index()))
+            self.DeclareVectorOutputPort("u", commands, self._calc_commands, needs)
+        self.widths = [flat(each.value).size for each in code.recorded]
+        size = sum(self.widths) + len(code.stops)
+        if size:
+            self.DeclareVectorOutputPort("scopes", size, self._calc_scopes)
+        self._declare_events()
+
+    def _declare_events(self) -> None:
+        """Let the sampled blocks run at their times, and others at every major step."""
+        self.base: Rate | None = base_rate(self.code.rates)
+        if self.base is not None:
+            period, offset = self.base
+            self.DeclarePeriodicUnrestrictedUpdateEvent(period, offset, self._sample)
+        if self.code.has_major:
+            self.DeclarePerStepUnrestrictedUpdateEvent(self._step)
+        self.DeclareInitializationUnrestrictedUpdateEvent(self._start)
+
+    # --- what is read ---
+
+    def _read(self, context: Context) -> tuple[float, list[float], Memory, Any, Any]:
+        sensed = self._sensed.Eval(context) if self._sensed is not None else self._none
+        efforts = self._none
+        if self._efforts is not None and self.code.needs_efforts:
+            efforts = self._efforts.Eval(context)
+        return (*self._own(context), sensed, efforts)
+
+    def _own(self, context: Context) -> tuple[float, list[float], Memory]:
+        x = context.get_continuous_state_vector().CopyToVector().tolist()
+        memory = context.get_abstract_state(int(self._memory)).get_value()
+        return context.get_time(), x, memory
+
+    def _calc_commands(self, context: Context, output: BasicVector) -> None:
+        sensed = self._none
+        if self.code.needs_sensed and self._sensed is not None:
+            sensed = self._sensed.Eval(context)
+        with np.errstate(all="ignore"):
+            u = self._commands(*self._own(context), sensed, self._none)
+        output.SetFromVector(u)
+
+    def DoCalcTimeDerivatives(self, context: Context, derivatives: ContinuousState) -> None:  # noqa: N802
+        """Compute the derivatives of all states."""
+        if not self.code.x.size:
+            return
+        with np.errstate(all="ignore"):
+            derivatives.SetFromVector(self._derivatives(*self._read(context)))
+
+    def _calc_scopes(self, context: Context, output: BasicVector) -> None:
+        t, x, memory, sensed, efforts = self._read(context)
+        if self._efforts is not None and not self.code.needs_efforts:
+            efforts = self._efforts.Eval(context)
+        with np.errstate(all="ignore"):
+            shown = self._record(t, x, memory, sensed, efforts)
+        output.SetFromVector(np.concatenate([flat(each) for each in shown]))
+
+    # --- events ---
+
+    def _start(self, context: Context, state: State) -> EventStatus:
+        hits = [next_hit(rate, context.get_time()) for rate in self.code.rates]
+        return self._event(context, state, hits, step=True)
+
+    def _sample(self, context: Context, state: State) -> EventStatus:
+        hits = [next_hit(rate, context.get_time()) for rate in self.code.rates]
+        return self._event(context, state, hits, step=False)
+
+    def _step(self, context: Context, state: State) -> EventStatus:
+        return self._event(context, state, [False] * len(self.code.rates), step=True)
+
+    def _event(
+        self, context: Context, state: State, hits: Sequence[bool], *, step: bool
+    ) -> EventStatus:
+        t, x, _, sensed, efforts = self._read(context)
+        memory = Memory(state.get_abstract_state().get_value(int(self._memory)).get_value())
+        after = np.array(x) if self.code.resets else self._none
+        with np.errstate(all="ignore"):
+            self._major(t, x, memory, sensed, efforts, hits, step, after)
+        state.get_mutable_abstract_state().get_mutable_value(int(self._memory)).set_value(memory)
+        if self.code.resets:
+            state.get_mutable_continuous_state().SetFromVector(after)
+        return EventStatus.Succeeded()
+
+
+def base_rate(rates: Sequence[Rate]) -> Rate | None:
+    """Return the longest period, and an offset, that meet all sample times.
+
+    Raises
+    ------
+    InvalidValueError
+        If the periods have no common measure.
+    """
+    if not rates:
+        return None
+    spans = [span for period, offset in rates for span in (period, offset) if span > 0.0]
+    offsets = {offset % period for period, offset in rates}
+    if len(offsets) == 1 and len({period for period, _ in rates}) == 1:
+        return rates[0][0], offsets.pop()
+    base = reduce(_common, spans)
+    if max(spans) / base > MOST_TICKS:
+        listed = ", ".join(f"{period:g}" for period, _ in rates)
+        raise InvalidValueError(
+            f"the sample times {listed} s have no common measure: make them multiples of one"
+        )
+    return base, 0.0
+
+
+def _common(a: float, b: float) -> float:
+    """Greatest common measure of two spans, up to rounding."""
+    while b > 1e-9 * max(a, 1.0):
+        a, b = b, math.fmod(a, b)
+        if b and abs(a - b) < 1e-9 * a:
+            b = 0.0
+    return a
+
+
+Function = Callable[..., Any]
