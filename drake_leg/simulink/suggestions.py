@@ -53,20 +53,23 @@ def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
 
 
 def with_scripts(
-    model: Model, read: Callable[[Sequence[Path]], Model]
+    model: Model,
+    read: Callable[[Sequence[Path]], Model],
+    lacks_in: Callable[[Model], Sequence[Lack]] = lacks_of,
 ) -> tuple[Model, tuple[Suggestion, ...]]:
     """Read a model again with scripts that a person would run first, while it lacks ever less.
 
-    ``read`` reads it with such files; those that were used are returned, too.
+    ``read`` reads it with such files, and ``lacks_in`` lists what it lacks; the scripts that were
+    used are returned, too.
     """
     used: tuple[Suggestion, ...] = ()
-    lacks = lacks_of(model)
+    lacks = lacks_in(model)
     while lacks and len(used) < MOST_SCRIPTS:
         hint = suggested_init(model, lacks)
         if hint is None:
             break
         again = read([*(each.path for each in used), hint.path])
-        left = lacks_of(again)
+        left = lacks_in(again)
         if len(left) >= len(lacks):
             break
         model, lacks, used = again, left, (*used, hint)

@@ -8,6 +8,7 @@ once with the values at the start, so that every signal's shape is known when th
 from __future__ import annotations
 
 import ast
+import builtins
 import keyword
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -124,7 +125,8 @@ class Pen:
         self.initial: dict[str, Signal] = {}  # of outputs that are held, where they are given
         self.scope: dict[str, Any] = {**NAMESPACE, "t": 0.0, "x": [], "m": self.slots}
         self.scope |= {"y": np.zeros(0), "e": np.zeros(0)}
-        self._names: set[str] = {*NAMESPACE, *GIVEN, "u", "dx", "hits", "step", "after"}
+        self._names: set[str] = {*NAMESPACE, *GIVEN, *dir(builtins)}
+        self._names |= {"u", "dx", "r", "hits", "step", "after"}
 
     # --- names and values ---
 

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.simulink.lacks import Lack
 from drake_leg.simulink.model import split_port
 from drake_leg.simulink.running.code import (
     CONTINUOUS,
@@ -100,6 +101,22 @@ def compile_signals(
     return job.code()
 
 
+def lacks_for_run(network: SignalNetwork) -> list[Lack]:
+    """List the values without which the signals of a model do not run."""
+    nodes = {
+        sid: (node, kind) for sid, node in network.nodes.items() if (kind := kind_of(node))
+    }
+    job = _Pass(nodes, list(nodes), Rates(nodes, None), Ports(), network, {})
+    job.write(strict=False)
+    return job.lacks
+
+
+def _lack(node: Node, error: UnknownValueError) -> Lack:
+    return Lack(
+        sid=node.sid, parameter="", text=error.text, reason=str(error), names=error.names
+    )
+
+
 def _running(network: SignalNetwork) -> dict[str, tuple[Node, Kind]]:
     """Find the kinds of all blocks; those that do not run are one list."""
     found: dict[str, tuple[Node, Kind]] = {}
@@ -183,6 +200,7 @@ class _Pass:
         self._ports, self._network = ports, network
         self._gate_of: dict[str, str] = {}  # SID of a gate block -> its variable
         self._problems: dict[str, None] = {}
+        self.lacks: list[Lack] = []
         self._strict = False
 
     def write(self, *, strict: bool) -> None:
@@ -219,6 +237,8 @@ class _Pass:
                 self._problems[f"{writer.about} reads {error}, whose shape is not known"] = None
         except InvalidValueError as error:
             self._problems[str(error)] = None
+            if isinstance(error, UnknownValueError):
+                self.lacks.append(_lack(writer.node, error))
         except (ArithmeticError, ValueError, IndexError, TypeError, KeyError, AttributeError) as error:
             self._problems[f"{writer.about} cannot run on its inputs: {error}"] = None
         else:
@@ -234,7 +254,7 @@ class _Pass:
             code = f"{vector}[{place.start}]" if shape == () else f"{vector}[{place.start}:{place.stop}]"
             code = f"float({code})" if shape == () else code
             if len(shape) == 2:
-                code += f".reshape({shape}, order='F')"
+                code += f".reshape({shape})"
             name = self.pen.name(f"sensed_{port}")
             self.pen.run(
                 Section(title=f"sensed at {port}", lines=[f"{name} = {code}"], rate=CONTINUOUS)

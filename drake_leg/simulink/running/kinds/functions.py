@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 
 import numpy as np
+
+from drake_leg.simulink.matlab.checking import means_something
 
 from drake_leg.simulink.running.code import Operand, Writer
 from drake_leg.simulink.running.kinds import kind
@@ -16,9 +19,21 @@ def expression_code(w: Writer, text: str, names: Mapping[str, Operand]) -> str:
     """Write the value of a MATLAB expression of some names."""
     from drake_leg.simulink.matlab.compiling import compiled_expression
 
-    function = compiled_expression(text, names=tuple(names))
-    arguments = ", ".join(one.code for one in names.values())
+    given = {name: w.settings.evaluate(name, name) for name in _free_names(w, text, names)}
+    function = compiled_expression(text, names=(*names, *given))
+    constants = (w.constant(value, name) for name, value in given.items())
+    arguments = ", ".join((*(one.code for one in names.values()), *constants))
     return f"{w.constant(function, 'expression')}({arguments})"
+
+
+def _free_names(w: Writer, text: str, names: Mapping[str, Operand]) -> list[str]:
+    """Names in an expression that are variables, neither inputs nor functions."""
+    found = []
+    for name in dict.fromkeys(re.findall(r"(?<![\w.])[A-Za-z]\w*", text)):
+        if name in names or means_something(name):
+            continue
+        found.append(name)
+    return found
 
 
 @kind("Fcn")

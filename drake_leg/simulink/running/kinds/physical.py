@@ -49,7 +49,7 @@ def to_physical(w: Writer) -> None:
     made = w.let(_scaled(u.code, factor, offset)) if (factor, offset) != (1.0, 0.0) else u
     how = w.settings.text("FilteringAndDerivatives", "provide")
     order = int(w.settings.number("SimscapeFilterOrder", "1"))
-    given = int(w.settings.text("UdotUserProvided", "0") or 0)
+    given = int(w.settings.number("UdotUserProvided", "0"))
     filtered = how == "filter" or w.settings.text("InputFiltering") == "on"
     if filtered and w.node.feeds_motion:
         order = 2

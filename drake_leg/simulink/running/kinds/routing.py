@@ -107,7 +107,7 @@ def bus_names(w: Writer) -> list[str]:
             return listed
     names: list[str] = []
     for place in range(w.count):
-        name = w.node.names[place] or f"signal{place + 1}"
+        name = w.node.names[place].strip("<>") or f"signal{place + 1}"
         while name in names:
             name += f"_{place + 1}"
         names.append(name)
@@ -169,6 +169,8 @@ def selector(w: Writer) -> None:
     first = 1 if w.settings.text("IndexMode", "One-based") == "One-based" else 0
     u = w.vector() if dimensions == 1 else w.numeric()
     shape = (u.size,) if dimensions == 1 else shape_of(u.value)
+    if dimensions == 2 and u.is_scalar:
+        u, shape = Operand(code=f"array([[{u.code}]])", value=np.array([[u.value]])), (1, 1)
     if dimensions == 2 and u.value.ndim == 1:
         u = Operand(code=f"{u.code}.reshape(-1, 1)", value=u.value.reshape(-1, 1))
         shape = u.shape

@@ -1,0 +1,374 @@
+"""A Simulink model is run: its diagram, the simulation, and what its sinks recorded."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, EventStatus
+from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
+from drake_leg.simulink.model import Model, number, vector
+from drake_leg.simulink.running.compiling import Code, Ports, compile_signals, refuse
+from drake_leg.simulink.running.network import SignalNetwork, signal_network
+from drake_leg.simulink.running.settings import flat, shape_of
+from drake_leg.simulink.running.system import SignalSystem
+
+Array = NDArray[np.float64]
+ACCURACY = 1e-6
+ROWS = 1000  # of a recording
+STEPS = 50  # at least, of a run, as Simulink takes
+LONGEST_BREAKS = 100_000
+
+
+class ModelDiagram(Diagram):
+    """A Simulink model as a Drake diagram: ``signals``, ``mechanism``, ``scopes``.
+
+    The mechanism is left out where the model has none, and the scopes where nothing is shown.
+
+    Parameters
+    ----------
+    code : Code
+        The compiled signals.
+    mechanism : MechanismSystem, optional
+        The plant with all that acts on it.
+    ports : Ports
+        The vectors between both.
+    period : float
+        Between the rows that the scopes record [s].
+    """
+
+    def __init__(
+        self, code: Code, mechanism: MechanismSystem | None, ports: Ports, period: float
+    ) -> None:
+        super().__init__()
+        self.mechanism = mechanism
+        builder = DiagramBuilder()
+        sizes = {"sensed": ports.y.size, "efforts": ports.e.size}
+        commands = max((place.stop for place in ports.inputs.values()), default=0)
+        self.signals = builder.AddNamedSystem(
+            "signals", SignalSystem(code, commands=commands, **sizes)
+        )
+        if mechanism is not None:
+            builder.AddNamedSystem("mechanism", mechanism)
+            for name, size in sizes.items():
+                if size:
+                    builder.Connect(mechanism.GetOutputPort(name), self.signals.GetInputPort(name))
+            if commands:
+                builder.Connect(self.signals.GetOutputPort("u"), mechanism.GetInputPort("u"))
+        self.scopes: VectorLogSink | None = None
+        if self.signals.HasOutputPort("scopes"):
+            self.scopes = LogVectorOutput(self.signals.GetOutputPort("scopes"), builder, period)
+        self.states: VectorLogSink | None = None
+        if mechanism is not None:
+            self.states = LogVectorOutput(mechanism.GetOutputPort("state"), builder, period)
+        builder.BuildInto(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shown:
+    """What one input of a sink showed."""
+
+    block: str  # path of the sink
+    name: str  # of the signal; "" where it has none
+    port: int
+    values: Array  # (rows, width), a matrix by columns
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModelRun:
+    """What a run of a model gave."""
+
+    time: Array  # (rows,) [s]
+    shown: tuple[Shown, ...]
+    states: Array  # (rows, nq + nv) of the mechanism's plant; (rows, 0) without one
+    ended: float  # [s]
+    stopped: str = ""  # why before its time; "" where it came to its end
+    seconds: float = 0.0  # that the run took
+    steps: int = 0
+    remarks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Runnable:
+    """A model that is ready to run."""
+
+    name: str
+    diagram: ModelDiagram
+    code: Code
+    ports: Ports
+    network: SignalNetwork
+    solver: dict[str, float] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+
+
+def has_mechanism(model: Model) -> bool:
+    """Tell whether a model has blocks of Simscape Multibody that move or weigh."""
+    from drake_leg.simulink.catalogue import JOINTS
+    from drake_leg.simulink.multibody.connections import SOLIDS
+
+    return any(
+        block.source.startswith("sm_lib/") and block.kind in (*JOINTS, *SOLIDS)
+        for block in model.blocks
+    )
+
+
+def runnable(
+    model: Model,
+    *,
+    duration: float | None = None,
+    contact: Contact = "smooth",
+) -> Runnable:
+    """Make a model ready to run.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    duration : float, optional
+        Instead of the file's own stop time [s].
+    contact : {"smooth", "drake"}
+        The law of contact forces: the blocks' own, or Drake's.
+
+    Raises
+    ------
+    InvalidValueError
+        That lists all that is missing for a run.
+    """
+    mechanism = mechanism_dynamics(model, contact=contact) if has_mechanism(model) else None
+    network = signal_network(model, mechanism.motions if mechanism else frozenset())
+    solver = _solver(model, duration)
+    fixed = solver.get("fixed step")
+    ports = _ports(mechanism, None)
+    _require_known(network, ports)
+    code = compile_signals(network, ports, fixed_step=fixed)
+    if mechanism is not None and ports.inputs:
+        u = _commands(code, ports)
+        ports = _ports(mechanism, u)
+        code = compile_signals(network, ports, fixed_step=fixed)
+    period = solver["duration"] / ROWS
+    return Runnable(
+        name=model.name,
+        diagram=ModelDiagram(code, mechanism, ports, period),
+        code=code,
+        ports=ports,
+        network=network,
+        solver=solver,
+    )
+
+
+def _solver(model: Model, duration: float | None) -> dict[str, float]:
+    start, stop = number(model.solver.get("StartTime")), number(model.solver.get("StopTime"), 10.0)
+    if start:
+        raise InvalidValueError(f"the model starts at {start:g} s; only a start at 0 runs")
+    found = {"duration": stop if duration is None else duration}
+    if not math.isfinite(found["duration"]):
+        raise InvalidValueError("the model runs for ever: give `duration`")
+    longest = vector(model.solver.get("MaxStep"))
+    if longest and math.isfinite(longest[0]):
+        found["longest step"] = longest[0]
+    tolerance = vector(model.solver.get("RelTol"))
+    if tolerance:
+        found["tolerance"] = tolerance[0]
+    if model.solver.get("SolverType") == "Fixed-step":
+        step = vector(model.solver.get("FixedStep"))
+        found["fixed step"] = step[0] if step else found["duration"] / STEPS
+    return found
+
+
+def _ports(mechanism: MechanismSystem | None, u: Array | None) -> Ports:
+    if mechanism is None:
+        return Ports()
+    context = mechanism.CreateDefaultContext()
+    if u is not None:
+        mechanism.start(context, u)
+    size = max((place.stop for place in mechanism.inputs.values()), default=0)
+    if size:
+        mechanism.GetInputPort("u").FixValue(context, np.zeros(size) if u is None else u)
+    return Ports(
+        inputs=mechanism.inputs,
+        motions=mechanism.motions,
+        sensed=mechanism.sensed,
+        efforts=mechanism.efforts,
+        shapes=mechanism.shapes,
+        y=mechanism.GetOutputPort("sensed").Eval(context),
+        e=mechanism.GetOutputPort("efforts").Eval(context),
+    )
+
+
+def _require_known(network: SignalNetwork, ports: Ports) -> None:
+    """Refuse signals that other parts of Simscape would make."""
+    unknown = sorted(network.sensed - {*ports.sensed, *ports.efforts})
+    refuse([f"nothing computes what comes out at {port}" for port in unknown])
+
+
+def _commands(code: Code, ports: Ports) -> Array:
+    with np.errstate(all="ignore"):
+        u: Array = code.functions()["commands"](
+            0.0, code.x.tolist(), list(code.memory), ports.y, ports.e
+        )
+    return u
+
+
+def run_model(
+    ready: Runnable,
+    *,
+    accuracy: float | None = None,
+    budget: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> ModelRun:
+    """Run a model to its end, its Stop blocks, a state that is not finite, or its budget.
+
+    Parameters
+    ----------
+    ready : Runnable
+        The model.
+    accuracy : float, optional
+        Of the integration, relative: 1e-6, or finer where the file asks for it.
+    budget : float, optional
+        Seconds that the run may take.
+    progress : callable, optional
+        Called with the time that is reached.
+    """
+    diagram = ready.diagram
+    context = diagram.CreateDefaultContext()
+    if diagram.mechanism is not None:
+        u = _commands(ready.code, ready.ports) if ready.ports.inputs else None
+        diagram.mechanism.start(context, u)
+    duration = ready.solver["duration"]
+    simulator = Simulator(diagram, context)
+    longest = ready.solver.get("longest step", duration / STEPS if duration else 1.0)
+    ApplySimulatorConfig(
+        SimulatorConfig(
+            integration_scheme="runge_kutta3",
+            accuracy=accuracy or min(ACCURACY, ready.solver.get("tolerance", ACCURACY)),
+            max_step_size=longest,
+            use_error_control=True,
+        ),
+        simulator,
+    )
+    watch = _Watch(diagram, budget, progress)
+    simulator.set_monitor(watch)
+    began = time.monotonic()
+    stopped = ""
+    try:
+        with np.errstate(all="ignore"):
+            simulator.Initialize()
+            for corner in corners(ready.code, duration):
+                simulator.AdvanceTo(corner)
+                if watch.stopped:
+                    break
+    except (RuntimeError, InvalidValueError, ArithmeticError, IndexError, ValueError) as error:
+        stopped = _reason(error, context, ready)
+    return _recorded(ready, context, watch.stopped or stopped, time.monotonic() - began, simulator)
+
+
+def corners(code: Code, duration: float) -> Iterator[float]:
+    """Yield the times at which signals have corners, and the end."""
+    times = {at for at in code.breaks if 0.0 < at < duration}
+    for period, offset in code.waves:
+        if period > 0.0 and duration / period < LONGEST_BREAKS:
+            first = offset % period if offset < 0.0 else offset
+            times |= {float(at) for at in np.arange(first, duration, period) if at > 0.0}
+    yield from sorted(times)
+    yield duration
+
+
+class _Watch:
+    """Looks at every step: stops, states that are not finite, the budget."""
+
+    def __init__(
+        self,
+        diagram: ModelDiagram,
+        budget: float | None,
+        progress: Callable[[float], None] | None,
+    ) -> None:
+        self._diagram, self._budget, self._progress = diagram, budget, progress
+        self._began = time.monotonic()
+        self.stopped = ""
+
+    def __call__(self, context: Context) -> EventStatus:
+        x = context.get_continuous_state_vector().CopyToVector()
+        if not np.isfinite(x).all():
+            return self._end(context, f"{_not_finite(self._diagram, context)} is not finite")
+        signals = self._diagram.signals
+        if signals.code.stops:
+            shown = signals.GetOutputPort("scopes").Eval(
+                signals.GetMyContextFromRoot(context)
+            )
+            for place, (_, name) in enumerate(signals.code.stops):
+                if shown[sum(signals.widths) + place]:
+                    return self._end(context, f"the block {name!r} stops it")
+        if self._progress is not None:
+            self._progress(context.get_time())
+        if self._budget is not None and time.monotonic() - self._began > self._budget:
+            return self._end(context, f"it took more than {self._budget:g} s")
+        return EventStatus.DidNothing()
+
+    def _end(self, context: Context, why: str) -> EventStatus:
+        self.stopped = f"{why}, at {context.get_time():.6g} s"
+        return EventStatus.ReachedTermination(self._diagram, self.stopped)
+
+
+def _not_finite(diagram: ModelDiagram, context: Context) -> str:
+    signals = diagram.signals
+    x = signals.GetMyContextFromRoot(context).get_continuous_state_vector().CopyToVector()
+    if np.isfinite(x).all():
+        return "a position or velocity of the mechanism"
+    return "the state of a block"
+
+
+def _reason(error: Exception, context: Context, ready: Runnable) -> str:
+    said = " ".join(str(error).split())[:300]
+    at = f"at {context.get_time():.6g} s"
+    if "step size" in said.lower() or "NaN" in said or "nan" in said:
+        return f"the integrator cannot go on {at}, where its steps become too small ({said[:120]})"
+    return f"{said}, {at}"
+
+
+def _recorded(
+    ready: Runnable, context: Context, stopped: str, seconds: float, simulator: Simulator
+) -> ModelRun:
+    diagram = ready.diagram
+    shown: list[Shown] = []
+    times: Array = np.zeros(0)
+    states: Array = np.zeros((0, 0))
+    if diagram.scopes is not None:
+        log = diagram.scopes.FindLog(context)
+        times, data = log.sample_times().copy(), log.data().T.copy()
+        first = 0
+        for recorded, width in zip(ready.code.recorded, diagram.signals.widths, strict=True):
+            shown.append(
+                Shown(
+                    block=recorded.block,
+                    name=recorded.name,
+                    port=recorded.port,
+                    values=data[:, first : first + width],
+                )
+            )
+            first += width
+    if diagram.states is not None:
+        log = diagram.states.FindLog(context)
+        times, states = log.sample_times().copy(), log.data().T.copy()
+    return ModelRun(
+        time=times,
+        shown=tuple(shown),
+        states=states,
+        ended=context.get_time(),
+        stopped=stopped,
+        seconds=seconds,
+        steps=int(simulator.get_num_steps_taken()),
+        remarks=ready.remarks,
+    )
+
+
+Signal = Any
+__all__ = ["ModelRun", "Runnable", "flat", "run_model", "runnable", "shape_of"]
