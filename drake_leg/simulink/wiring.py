@@ -71,9 +71,7 @@ def _is_leaf(block: Block, gated: Container[str] = ()) -> bool:
 class _Signals:
     """Follows signals backwards, from an input to the leaf block that drives it."""
 
-    def __init__(
-        self, model: Model, blocks: dict[str, Block], gated: Container[str] = ()
-    ) -> None:
+    def __init__(self, model: Model, blocks: dict[str, Block], gated: Container[str] = ()) -> None:
         self._blocks, self._gated = blocks, gated
         self._drivers = {wire.target: wire for wire in model.wires}
         self._ports = {

@@ -365,7 +365,7 @@ class Writer:
         names = program_inputs(self.node.script)
         if len(names) <= self.count:
             return {}
-        found = {}
+        found: dict[str, Any] = {}
         for name in names:
             if len(names) - len(found) <= self.count:
                 break

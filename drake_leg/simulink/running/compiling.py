@@ -103,18 +103,14 @@ def compile_signals(
 
 def lacks_for_run(network: SignalNetwork) -> list[Lack]:
     """List the values without which the signals of a model do not run."""
-    nodes = {
-        sid: (node, kind) for sid, node in network.nodes.items() if (kind := kind_of(node))
-    }
+    nodes = {sid: (node, kind) for sid, node in network.nodes.items() if (kind := kind_of(node))}
     job = _Pass(nodes, list(nodes), Rates(nodes, None), Ports(), network, {})
     job.write(strict=False)
     return job.lacks
 
 
 def _lack(node: Node, error: UnknownValueError) -> Lack:
-    return Lack(
-        sid=node.sid, parameter="", text=error.text, reason=str(error), names=error.names
-    )
+    return Lack(sid=node.sid, parameter="", text=error.text, reason=str(error), names=error.names)
 
 
 def _running(network: SignalNetwork) -> dict[str, tuple[Node, Kind]]:
@@ -207,6 +203,9 @@ class _Pass:
         """Write all blocks; if strict, what fails is raised, otherwise left unknown."""
         self._strict = strict
         self.pen.scope |= {"y": self._ports.y, "e": self._ports.e}
+        for sid, error in self._rates.unknown.items():
+            self._problems[str(error)] = None
+            self.lacks.append(_lack(self._nodes[sid][0], error))
         self._sense(self._ports.sensed, "y")
         self._sense(self._ports.efforts, "e")
         writers: list[tuple[Writer, Kind]] = []
@@ -239,7 +238,14 @@ class _Pass:
             self._problems[str(error)] = None
             if isinstance(error, UnknownValueError):
                 self.lacks.append(_lack(writer.node, error))
-        except (ArithmeticError, ValueError, IndexError, TypeError, KeyError, AttributeError) as error:
+        except (
+            ArithmeticError,
+            ValueError,
+            IndexError,
+            TypeError,
+            KeyError,
+            AttributeError,
+        ) as error:
             self._problems[f"{writer.about} cannot run on its inputs: {error}"] = None
         else:
             return True
@@ -251,7 +257,11 @@ class _Pass:
             if port not in self._network.sensed:
                 continue
             place, shape = places[port], self._ports.shapes.get(port, ())
-            code = f"{vector}[{place.start}]" if shape == () else f"{vector}[{place.start}:{place.stop}]"
+            code = (
+                f"{vector}[{place.start}]"
+                if shape == ()
+                else f"{vector}[{place.start}:{place.stop}]"
+            )
             code = f"float({code})" if shape == () else code
             if len(shape) == 2:
                 code += f".reshape({shape})"

@@ -213,8 +213,10 @@ def replaced(a: Array, places: list[int], values: Signal) -> Array:
 
 def copied(kept: dict[str, Any]) -> dict[str, Any]:
     """Copy what a function keeps, so that it changes at major steps alone."""
-    return {name: value.copy() if isinstance(value, np.ndarray) else value
-            for name, value in kept.items()}
+    return {
+        name: value.copy() if isinstance(value, np.ndarray) else value
+        for name, value in kept.items()
+    }
 
 
 def later(history: tuple[Any, ...], t: float, value: Signal, delay: float) -> tuple[Any, ...]:
@@ -257,7 +259,7 @@ def pulses(t: float, amplitude: Signal, period: Signal, width: Signal, delay: Si
 
 
 def _of_time(t: float, seed: int, sample: float) -> np.random.Generator:
-    step = int(round(t / sample)) if sample > 0.0 else int(t * 1e6)
+    step = round(t / sample) if sample > 0.0 else int(t * 1e6)
     return np.random.default_rng([seed & 0xFFFFFFFF, step])
 
 

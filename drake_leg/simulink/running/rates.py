@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.model import split_port
 from drake_leg.simulink.running.code import CONTINUOUS, MAJOR
 from drake_leg.simulink.running.kinds import Kind
@@ -32,6 +32,7 @@ class Rates:
     def __init__(self, nodes: Mapping[str, tuple[Node, Kind]], fixed_step: float | None) -> None:
         self._nodes, self._fixed_step = nodes, fixed_step
         self._found: dict[str, Rate | None] = {}
+        self.unknown: dict[str, UnknownValueError] = {}  # sample times without a value
         self.inherited_delays: list[str] = []  # names of delays of continuous signals
         self._settle()
         sampled = {rate for rate in self._found.values() if rate and 0.0 < rate[0] < NEVER}
@@ -39,7 +40,7 @@ class Rates:
 
     def of(self, sid: str) -> int:
         """Return the index of a block's rate, or CONTINUOUS, or MAJOR."""
-        node, kind = self._nodes[sid]
+        _node, kind = self._nodes[sid]
         rate = self._found[sid] or ALWAYS
         if kind.major or (kind.sampled and rate[0] in (0.0, NEVER)):
             return MAJOR
@@ -52,7 +53,11 @@ class Rates:
 
     def _settle(self) -> None:
         for sid, (node, kind) in self._nodes.items():
-            self._found[sid] = self._own(node, kind)
+            try:
+                self._found[sid] = self._own(node, kind)
+            except UnknownValueError as error:
+                self.unknown[sid] = error
+                self._found[sid] = ALWAYS
         for _ in range(ROUNDS):
             changed = False
             for sid, (node, _) in self._nodes.items():
@@ -107,11 +112,17 @@ class Rates:
             return ALWAYS
         if moving:
             return min(moving)
-        return (NEVER, 0.0) if rates and all(
-            port is None or split_port(port)[0] not in self._nodes
-            or self._found[split_port(port)[0]] is not None
-            for port in node.inputs
-        ) else None
+        return (
+            (NEVER, 0.0)
+            if rates
+            and all(
+                port is None
+                or split_port(port)[0] not in self._nodes
+                or self._found[split_port(port)[0]] is not None
+                for port in node.inputs
+            )
+            else None
+        )
 
 
 def next_hit(rate: Rate, time: float) -> bool:

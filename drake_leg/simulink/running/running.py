@@ -301,9 +301,7 @@ class _Watch:
             return self._end(context, f"{_not_finite(self._diagram, context)} is not finite")
         signals = self._diagram.signals
         if signals.code.stops:
-            shown = signals.GetOutputPort("scopes").Eval(
-                signals.GetMyContextFromRoot(context)
-            )
+            shown = signals.GetOutputPort("scopes").Eval(signals.GetMyContextFromRoot(context))
             for place, (_, name) in enumerate(signals.code.stops):
                 if shown[sum(signals.widths) + place]:
                     return self._end(context, f"the block {name!r} stops it")

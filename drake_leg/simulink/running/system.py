@@ -110,7 +110,7 @@ class SignalSystem(LeafSystem):
             u = self._commands(*self._own(context), sensed, self._none)
         output.SetFromVector(u)
 
-    def DoCalcTimeDerivatives(self, context: Context, derivatives: ContinuousState) -> None:  # noqa: N802
+    def DoCalcTimeDerivatives(self, context: Context, derivatives: ContinuousState) -> None:
         """Compute the derivatives of all states."""
         if not self.code.x.size:
             return

@@ -79,15 +79,19 @@ def integrator(w: Writer) -> None:
     if w.settings.text("ExternalReset", "none") != "none":
         w.kept["reset"] = w.remembered(0.0, number=1)
     if w.settings.is_on("LimitOutput"):
-        limits = [w.settings.array(f"{side}SaturationLimit", d) for side, d in (("Lower", "-inf"), ("Upper", "inf"))]
+        limits = [
+            w.settings.array(f"{side}SaturationLimit", d)
+            for side, d in (("Lower", "-inf"), ("Upper", "inf"))
+        ]
         low, high = (w.constant(each) for each in limits)
         w.kept["limits"] = low, high
         w.out(limit_code(state, low, high))
     elif w.settings.is_on("WrapState"):
-        low, high = (w.settings.number(f"WrappedState{side}Value", d) for side, d in (("Lower", "-pi"), ("Upper", "pi")))
-        width = literal(high - low)
+        least = w.settings.number("WrappedStateLowerValue", "-pi")
+        most = w.settings.number("WrappedStateUpperValue", "pi")
         wrap = "modulo" if state.is_scalar else "np.mod"
-        w.out(f"{wrap}({state.code} - {literal(low)}, {width}) + {literal(low)}")
+        width = literal(most - least)
+        w.out(f"{wrap}({state.code} - {literal(least)}, {width}) + {literal(least)}")
     else:
         w.put(state)
     if w.settings.is_on("ShowStatePort") and len(w.node.outputs) > 1:
@@ -115,7 +119,9 @@ def ps_integrator(w: Writer) -> None:
     """Integrate a physical signal."""
     from drake_leg.simulink.running.kinds.sources import in_si
 
-    w.put(w.state(in_si(w, "x0", "0") if w.settings.has("x0") else in_si(w, "initial_condition", "0")))
+    w.put(
+        w.state(in_si(w, "x0", "0") if w.settings.has("x0") else in_si(w, "initial_condition", "0"))
+    )
 
 
 def _derivative_after(w: Writer) -> None:
@@ -139,7 +145,9 @@ def derivative(w: Writer) -> None:
 # --- linear systems --------------------------------------------------------------------------
 
 
-def _linear(w: Writer, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, start: Signal) -> None:
+def _linear(
+    w: Writer, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, start: Signal
+) -> None:
     """Write a linear system of states x: C x + D u."""
     n = A.shape[0]
     w.kept["linear"] = A, B
@@ -157,7 +165,9 @@ def _linear(w: Writer, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarra
 def _linear_after(w: Writer) -> None:
     A, B = w.kept["linear"]
     if A.shape[0]:
-        w.derivative(f"{w.constant(A, 'A')} @ {w.kept['x']} + {w.constant(B, 'B')} @ {w.vector(0).code}")
+        w.derivative(
+            f"{w.constant(A, 'A')} @ {w.kept['x']} + {w.constant(B, 'B')} @ {w.vector(0).code}"
+        )
 
 
 def _direct_linear(node: Node, settings: Settings) -> Iterable[int]:
@@ -195,7 +205,9 @@ def transfer_function(w: Writer) -> None:
 def zero_pole(w: Writer) -> None:
     """Filter by zeros, poles and a gain, from rest."""
     get = w.settings.numbers
-    numerator, denominator = zpk2tf(get("Zeros", "[1]"), get("Poles", "[0 -1]"), w.settings.number("Gain", "1"))
+    numerator, denominator = zpk2tf(
+        get("Zeros", "[1]"), get("Poles", "[0 -1]"), w.settings.number("Gain", "1")
+    )
     A, B, C, D = tf2ss(np.atleast_1d(numerator), denominator)
     _linear(w, A, B, C, D, 0.0)
 
@@ -280,7 +292,8 @@ def pid(w: Writer) -> None:
     limited = total
     if s.is_on("LimitOutput"):
         lower, upper = (
-            s.array(f"{side}SaturationLimit", dflt) for side, dflt in (("Lower", "-inf"), ("Upper", "inf"))
+            s.array(f"{side}SaturationLimit", dflt)
+            for side, dflt in (("Lower", "-inf"), ("Upper", "inf"))
         )
         limited = w.let(limit_code(total, w.constant(lower), w.constant(upper)), "limited")
     w.put(w.let(limited.code))
@@ -306,7 +319,10 @@ def _derivative_term(w: Writer, u: Operand, gain: Signal, *, discrete: bool) -> 
     if not filtered:
         before = w.remembered(u.value * 0.0, 2)
         w.kept["error"] = u.code
-        return w.let(f"{w.constant(gain)} * ({u.code} - {before.code}) / {literal(w.period or 1.0)}", "derivative_part")
+        return w.let(
+            f"{w.constant(gain)} * ({u.code} - {before.code}) / {literal(w.period or 1.0)}",
+            "derivative_part",
+        )
     start = w.settings.array("InitialConditionForFilter", "0")
     f = w.remembered(start, 1) if discrete else w.state(start, 1)
     n = w.settings.array("N", "100")
@@ -324,7 +340,9 @@ def _anti_windup(w: Writer, code: str, total: Operand, limited: Operand) -> str:
         return f"{code} + {kb} * ({limited.code} - {total.code})"
     if mode == "clamping":
         if total.is_scalar:
-            return f"0.0 if {total.code} != {limited.code} and ({total.code} > {limited.code}) == (({code}) > 0.0) else {code}"
+            beyond = f"{total.code} != {limited.code}"
+            further = f"({total.code} > {limited.code}) == (({code}) > 0.0)"
+            return f"0.0 if {beyond} and {further} else {code}"
         return (
             f"np.where(({total.code} != {limited.code}) & "
             f"(({total.code} > {limited.code}) == (({code}) > 0.0)), 0.0, {code})"

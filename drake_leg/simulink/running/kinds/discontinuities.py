@@ -29,7 +29,9 @@ def saturation(w: Writer) -> None:
 
 def limit_code(u: Operand, low: str, high: str) -> str:
     """Write a limit."""
-    return f"limited({u.code}, {low}, {high})" if u.is_scalar else f"np.clip({u.code}, {low}, {high})"
+    return (
+        f"limited({u.code}, {low}, {high})" if u.is_scalar else f"np.clip({u.code}, {low}, {high})"
+    )
 
 
 @kind("Saturation Dynamic")
@@ -86,7 +88,8 @@ def relay(w: Writer) -> None:
     u, (on_c, off_c, high_c, low_c) = _with(w, u, on, off, high, low)
     before = w.remembered(low if not isinstance(u.value, np.ndarray) else np.full(u.shape, low))
     if u.is_scalar:
-        code = f"{high_c} if {u.code} >= {on_c} else ({low_c} if {u.code} <= {off_c} else {before.code})"
+        otherwise = f"{low_c} if {u.code} <= {off_c} else {before.code}"
+        code = f"{high_c} if {u.code} >= {on_c} else ({otherwise})"
     else:
         code = (
             f"np.where({u.code} >= {on_c}, {high_c}, "
@@ -99,7 +102,10 @@ def relay(w: Writer) -> None:
 def rate_limiter(w: Writer) -> None:
     """Limit the slope of a signal, from step to step."""
     u = w.numeric()
-    rising, falling = w.settings.array("RisingSlewLimit", "1"), w.settings.array("FallingSlewLimit", "-1")
+    rising, falling = (
+        w.settings.array("RisingSlewLimit", "1"),
+        w.settings.array("FallingSlewLimit", "-1"),
+    )
     u, (up, down) = _with(w, u, rising, falling)
     before = w.remembered(u.value)
     at = w.remembered(0.0, number=1)

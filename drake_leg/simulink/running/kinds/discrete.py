@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from scipy.signal import tf2ss
-
-from collections.abc import Iterable
 
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind, no_inputs
@@ -102,8 +102,10 @@ def discrete_integrator(w: Writer) -> None:
     sums = method.startswith("Accumulation")
     gain = w.settings.array("gainval", "1.0")
     w.kept["gain"] = w.constant(gain if sums else gain * (w.period or 1.0))
-    w.kept["method"] = "backward" if "Backward" in method else (
-        "trapezoidal" if "Trapezoidal" in method else "forward"
+    w.kept["method"] = (
+        "backward"
+        if "Backward" in method
+        else ("trapezoidal" if "Trapezoidal" in method else "forward")
     )
     before = w.remembered(w.settings.array("InitialCondition", "0"))
     w.kept["state"] = before.code
@@ -113,7 +115,8 @@ def discrete_integrator(w: Writer) -> None:
         code = f"{code} + {share}{w.kept['gain']} * {w.numeric(0).code}"
     if w.settings.is_on("LimitOutput"):
         limits = [
-            w.settings.array(f"{side}SaturationLimit", d) for side, d in (("Lower", "-inf"), ("Upper", "inf"))
+            w.settings.array(f"{side}SaturationLimit", d)
+            for side, d in (("Lower", "-inf"), ("Upper", "inf"))
         ]
         w.kept["limits"] = [w.constant(each) for each in limits]
         code = limit_code(Operand(code=code, value=before.value), *w.kept["limits"])
@@ -151,8 +154,15 @@ def _matrices(kind_of_block: str, s: Settings) -> tuple[np.ndarray, ...]:
         numerator = np.pad(numerator, (0, longest - numerator.size))
         denominator = np.pad(denominator, (0, longest - denominator.size))
     if denominator.size == 1:
-        return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), numerator.reshape(1, 1) / denominator
-    return tuple(tf2ss(np.trim_zeros(numerator, "f") if np.any(numerator) else numerator[:1], denominator))
+        return (
+            np.zeros((0, 0)),
+            np.zeros((0, 1)),
+            np.zeros((1, 0)),
+            numerator.reshape(1, 1) / denominator,
+        )
+    return tuple(
+        tf2ss(np.trim_zeros(numerator, "f") if np.any(numerator) else numerator[:1], denominator)
+    )
 
 
 @kind("DiscreteTransferFcn", "DiscreteFilter", "DiscreteStateSpace", "DiscreteFir",

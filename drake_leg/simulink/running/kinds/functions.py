@@ -8,19 +8,31 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from drake_leg.simulink.matlab.checking import means_something
-
+from drake_leg.simulink.matlab.compiling import compiled
 from drake_leg.simulink.running.code import Operand, Writer
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.network import Node
-from drake_leg.simulink.running.settings import Settings
+from drake_leg.simulink.running.operations import settled
+from drake_leg.simulink.running.settings import Settings, Signal
+
+
+class Expression:
+    """A MATLAB expression of some names, to be called with their values."""
+
+    def __init__(self, text: str, names: tuple[str, ...]) -> None:
+        script = f"function y = f({', '.join(names)})\ny = {text};\n"
+        self.text, self._function = text, compiled(script, name=text)
+
+    def __call__(self, *values: Signal) -> Signal:
+        """Evaluate it."""
+        (found,) = self._function.call({}, *values)
+        return settled(found)
 
 
 def expression_code(w: Writer, text: str, names: Mapping[str, Operand]) -> str:
     """Write the value of a MATLAB expression of some names."""
-    from drake_leg.simulink.matlab.compiling import compiled_expression
-
     given = {name: w.settings.evaluate(name, name) for name in _free_names(w, text, names)}
-    function = compiled_expression(text, names=(*names, *given))
+    function = Expression(text, (*names, *given))
     constants = (w.constant(value, name) for name, value in given.items())
     arguments = ", ".join((*(one.code for one in names.values()), *constants))
     return f"{w.constant(function, 'expression')}({arguments})"
@@ -63,8 +75,6 @@ def _is_direct(node: Node, _: Settings) -> Iterable[int]:
 @kind("MATLAB Function", finish=_after, direct=_is_direct)
 def matlab_function(w: Writer) -> None:
     """Call the code of a MATLAB Function block."""
-    from drake_leg.simulink.matlab.compiling import compiled
-
     script = w.node.script
     if not script.strip():
         raise w.fault("has no code in the file: save the model again in Simulink")

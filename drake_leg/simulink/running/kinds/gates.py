@@ -70,10 +70,7 @@ def if_block(w: Writer) -> None:
 
 def _action_places(w: Writer) -> dict[int, int]:
     """Map the number of a branch to the place of its output."""
-    return {
-        int(port.rpartition(":")[2]) - 1: place
-        for place, port in enumerate(w.node.outputs)
-    }
+    return {int(port.rpartition(":")[2]) - 1: place for place, port in enumerate(w.node.outputs)}
 
 
 def _parts(text: str) -> list[str]:

@@ -26,7 +26,9 @@ def compared(w: Writer) -> None:
     if operator in ("isInf", "isNaN", "isFinite"):
         u = w.numeric()
         name = operator.lower()
-        w.out(f"float(np.{name}({u.code}))" if u.is_scalar else f"np.{name}({u.code}).astype(float)")
+        w.out(
+            f"float(np.{name}({u.code}))" if u.is_scalar else f"np.{name}({u.code}).astype(float)"
+        )
         return
     relation(w, operator, w.numeric(0), w.numeric(1))
 
@@ -170,9 +172,11 @@ def merge(w: Writer) -> None:
         if port is None:
             continue
         code = w.input(place).code
-        lines += [f"if {' and '.join(gates)}:", f"    {name} = {code}"] if gates else [
-            f"{name} = {code}"
-        ]
+        lines += (
+            [f"if {' and '.join(gates)}:", f"    {name} = {code}"]
+            if gates
+            else [f"{name} = {code}"]
+        )
     w.write(*lines)
     w.kept["merge"] = (slot, name)
     w.put(Operand(code=name, value=w.pen.scope[name]))
@@ -204,4 +208,6 @@ def _input_after(w: Writer) -> None:
     w.remember(w.numeric().code)
 
 
-kind("Detect Change", "Detect Increase", "Detect Decrease", sampled=True, finish=_input_after)(detect)
+kind("Detect Change", "Detect Increase", "Detect Decrease", sampled=True, finish=_input_after)(
+    detect
+)

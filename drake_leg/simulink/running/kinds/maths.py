@@ -26,7 +26,7 @@ def gain(w: Writer) -> None:
     name = "gain" if w.node.block.kind == "Slider Gain" else "Gain"
     matrix = w.settings.matrix(name, "1")
     how = w.settings.text("Multiplication", "Element-wise(K.*u)")
-    if how.startswith("Element-wise") or matrix.size == 1 and u.is_scalar:
+    if how.startswith("Element-wise") or (matrix.size == 1 and u.is_scalar):
         factor = as_signal(matrix)
         k = Operand(code=w.constant(factor), value=factor)
         k, v = w.alike([k, u])
@@ -79,9 +79,7 @@ def total(w: Writer) -> None:
         w.out(code if signs == "+" else f"-{code}")
         return
     operands = w.alike(operands)
-    text = "".join(
-        f" {sign} {operand.code}" for sign, operand in zip(signs, operands, strict=True)
-    )
+    text = "".join(f" {sign} {operand.code}" for sign, operand in zip(signs, operands, strict=True))
     text = text[3:] if signs[0] == "+" else f"-{text[3:]}"
     w.out(text)
 
@@ -171,7 +169,20 @@ _ARRAY = {
     "rSqrt": "quotient(1.0, np.sqrt({0}))",
     "signedSqrt": "np.sign({0}) * np.sqrt(np.abs({0}))",
 }
-_TRIGONOMETRY = "sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh".split()
+_TRIGONOMETRY = [
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "sinh",
+    "cosh",
+    "tanh",
+    "asinh",
+    "acosh",
+    "atanh",
+]
 _OF_NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan"} | {
     "asinh": "arcsinh",
     "acosh": "arccosh",
@@ -218,7 +229,10 @@ def trigonometry(w: Writer) -> None:
     for place, name in enumerate(("sin", "cos") if operator == "sincos" else (operator,)):
         if name not in _TRIGONOMETRY:
             raise w.fault(f"is the function {operator!r}, which does not run")
-        w.out(f"{name}({u.code})" if u.is_scalar else f"np.{_OF_NUMPY.get(name, name)}({u.code})", place)
+        w.out(
+            f"{name}({u.code})" if u.is_scalar else f"np.{_OF_NUMPY.get(name, name)}({u.code})",
+            place,
+        )
 
 
 @kind("Sine", "Cosine")

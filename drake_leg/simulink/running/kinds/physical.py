@@ -78,7 +78,8 @@ def _filtered(w: Writer, u: Operand, order: int) -> None:
     else:
         v = w.state(u.value * 0.0, 1)
         second = w.let(
-            f"({u.code} - {y.code}) / {literal(tau**2)} - {literal(2.0 / tau)} * {v.code}", "acceleration"
+            f"({u.code} - {y.code}) / {literal(tau**2)} - {literal(2.0 / tau)} * {v.code}",
+            "acceleration",
         )
         w.kept["first"], w.kept["second"] = v.code, second.code
         dots = (v.code, second.code)
@@ -102,7 +103,8 @@ def _sum(w: Writer, sign: str) -> None:
     ends = [w.pen.dots.get(port or "") for port in w.node.inputs[:2]]
     if all(ends):
         first, second = ends
-        assert first and second
+        assert first
+        assert second
         w.pen.dots[w.node.outputs[0]] = (
             f"({first[0]} {sign} {second[0]})",
             f"({first[1]} {sign} {second[1]})",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from drake_leg.simulink.matlab.data import Struct
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.settings import as_signal, flat, shape_of
@@ -92,16 +91,14 @@ def demux(w: Writer) -> None:
 def bus(w: Writer) -> None:
     """Join signals under their names."""
     names = bus_names(w)
-    items = ", ".join(
-        f"{name!r}: {one.code}" for name, one in zip(names, w.inputs, strict=False)
-    )
+    items = ", ".join(f"{name!r}: {one.code}" for name, one in zip(names, w.inputs, strict=False))
     w.out(f"{{{items}}}")
 
 
 def bus_names(w: Writer) -> list[str]:
     """Names of the signals of a bus: as the block lists them, or those of the lines."""
     given = w.settings.text("Inputs", "")
-    if given and not given.isdigit() and "," in given or given.startswith("'"):
+    if (given and not given.isdigit() and "," in given) or given.startswith("'"):
         listed = [part.strip().strip("'") for part in given.split(",")]
         if len(listed) == w.count:
             return listed
@@ -155,9 +152,7 @@ def _of_bus(w: Writer, bus: Operand, name: str) -> Operand:
 def assigned_in_bus(w: Writer) -> None:
     """Replace signals of a bus."""
     names = [part.strip() for part in w.settings.text("AssignedSignals", "").split(",")]
-    items = ", ".join(
-        f"{name!r}: {w.input(place + 1).code}" for place, name in enumerate(names)
-    )
+    items = ", ".join(f"{name!r}: {w.input(place + 1).code}" for place, name in enumerate(names))
     w.out(f"{{**{w.input(0).code}, {items}}}")
 
 
@@ -165,7 +160,9 @@ def assigned_in_bus(w: Writer) -> None:
 def selector(w: Writer) -> None:
     """Take elements out of a vector or a matrix."""
     dimensions = int(w.settings.number("NumberOfDimensions", "1"))
-    options = [part.strip() for part in w.settings.text("IndexOptions", "Index vector (dialog)").split(",")]
+    options = [
+        part.strip() for part in w.settings.text("IndexOptions", "Index vector (dialog)").split(",")
+    ]
     first = 1 if w.settings.text("IndexMode", "One-based") == "One-based" else 0
     u = w.vector() if dimensions == 1 else w.numeric()
     shape = (u.size,) if dimensions == 1 else shape_of(u.value)
@@ -197,7 +194,9 @@ def selector(w: Writer) -> None:
                 port += 1
             else:
                 start = str(int(np.ravel(w.settings.evaluate(texts[axis], "Indices"))[0]) - first)
-            places.append(f"{start}:{start} + {size}" if "(" in start else f"{start}:{int(start) + size}")
+            places.append(
+                f"{start}:{start} + {size}" if "(" in start else f"{start}:{int(start) + size}"
+            )
         else:
             raise w.fault(f"selects by {option!r}, which does not run")
     if dimensions == 2 and all(place.startswith("[") for place in places):
@@ -210,7 +209,7 @@ def selector(w: Writer) -> None:
 def _index_texts(w: Writer, dimensions: int) -> list[str]:
     many = w.settings.text("IndexParamArray")
     if many:
-        return [part for part in many.split("|||")] if "|||" in many else [many] * dimensions
+        return list(many.split("|||")) if "|||" in many else [many] * dimensions
     single = w.settings.text("Indices", "[1 3]")
     parts = [part.strip() for part in single.split(",")] if dimensions > 1 else [single]
     return parts if len(parts) == dimensions else [single] * dimensions
@@ -320,6 +319,3 @@ def _store_written(w: Writer) -> None:
 @kind("DataStoreWrite", finish=_store_written, direct=lambda node, settings: ())
 def store_write(w: Writer) -> None:
     """Write a value by name, at sample times and major steps."""
-
-
-assert Struct  # buses of scripts are structures

@@ -193,7 +193,10 @@ def generator(w: Writer) -> None:
 @kind("Repeating Sequence")
 def repeating(w: Writer) -> None:
     """Repeat a sequence, with straight lines between its points."""
-    times, values = w.settings.numbers("rep_seq_t", "[0 2]"), w.settings.numbers("rep_seq_y", "[0 2]")
+    times, values = (
+        w.settings.numbers("rep_seq_t", "[0 2]"),
+        w.settings.numbers("rep_seq_y", "[0 2]"),
+    )
     _check_table(w, times, values)
     first, period = times[0], times[-1] - times[0]
     for corner in times[: MOST_BREAKS // 100]:
