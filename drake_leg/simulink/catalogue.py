@@ -303,11 +303,37 @@ _OTHERS: dict[str, Parameters] = {
     + numbers(LinearizationDelta="0.001"),
 }
 
+_ACTING: dict[str, Parameters] = {
+    "External Force and Torque": choices(
+        ForceResolutionFrame="AttachedFrame", TorqueResolutionFrame="AttachedFrame"
+    )
+    + switches(*(f"Enable{what}{axis}" for what in ("Force", "Torque") for axis in (*_AXES, ""))),
+    "Internal Force": (),
+    "Spring and Damper Force": quantities("m", NaturalLength="0")
+    + quantities("N/m", SpringStiffness="0")
+    + quantities("N/(m/s)", DampingCoefficient="0"),
+    "Inverse Square Law Force": quantities("N*m^2", ForceConstant="1"),
+    "Gravitational Field": quantities("kg", Mass="1"),
+    "Spatial Contact Force": choices(
+        NormalForceType="SmoothSpringDamper", FrictionType="SmoothStickSlip"
+    )
+    + quantities("N/m", NormalStiffness="1e6")
+    + quantities("N/(m/s)", NormalDamping="1e3")
+    + quantities("m", NormalTransitionRegionWidth="1e-4")
+    + numbers(CoefficientOfStaticFriction="0.5", CoefficientOfDynamicFriction="0.3")
+    + quantities("m/s", FrictionalCriticalVelocity="1e-3"),
+    "Infinite Plane": (),
+    "Point": (),
+    "Point Cloud": quantities("m", CoordinatesMatrix="[0 0 0]"),
+    "Grid Surface": quantities(
+        "m", XGridVector="[0 1]", YGridVector="[0 1]", ZHeights="[0 0; 0 0]"
+    ),
+}
+
 _WITHOUT_TABLE = """
-External Force and Torque, Internal Force, Inverse Square Law Force, Gravitational Field, Spring
-and Damper Force, Magic Formula Tire Force and Torque, Spatial Contact Force, Joint Mode
-Configuration, Simscape Multibody Explorer, Connection Frame, Spline, Point Cloud, Infinite
-Plane, Convex Hull, Disk, Point, Grid Surface, Point on Curve Constraint, Angle Constraint,
+Magic Formula Tire Force and Torque, Joint Mode
+Configuration, Simscape Multibody Explorer, Connection Frame, Spline,
+Convex Hull, Disk, Point on Curve Constraint, Angle Constraint,
 Distance Constraint, Point on Surface Constraint, Rack and Pinion Constraint, Common Gear
 Constraint, Bevel Gear Constraint, Worm and Gear Constraint, Flexible Angle Beam, Flexible
 Channel Beam, Flexible Cylindrical Beam, Flexible I Beam, Flexible Rectangular Beam, Flexible T
@@ -316,7 +342,7 @@ Brick Solid, Variable Cylindrical Solid, Variable Spherical Solid, General Varia
 Inertia Sensor, Belt-Cable Properties, Belt-Cable End, Belt-Cable Spool, Pulley
 """
 
-MULTIBODY: dict[str, Parameters] = JOINTS | _OTHERS | without_table(_WITHOUT_TABLE)
+MULTIBODY: dict[str, Parameters] = JOINTS | _OTHERS | _ACTING | without_table(_WITHOUT_TABLE)
 
 
 BUILT_IN: dict[str, Parameters] = {

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Literal
+from typing import TypeVar
 
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics.applied import Applied
 from drake_leg.simulink.dynamics.coordinates import Axis, coordinates_of
 from drake_leg.simulink.dynamics.joints import Joints
 from drake_leg.simulink.dynamics.moment import Moment, Place, Places
@@ -30,6 +31,9 @@ from drake_leg.simulink.multibody.mass import Array
 from drake_leg.simulink.multibody.plant import mechanism_plant
 from drake_leg.simulink.wiring import physical_part
 
+T = TypeVar("T")
+Law = Callable[[T], float | Array]
+
 
 class Acting:
     """The plant of a mechanism without loops, what acts on it, and what is sensed of it."""
@@ -39,7 +43,7 @@ class Acting:
         model: Model,
         mechanism: Mechanism,
         *,
-        contact: Literal["smooth", "drake"] = "smooth",
+        pulls: bool = False,
     ) -> None:
         self.problems: list[str] = []
         self.network = network_of(physical_part(model))
@@ -52,9 +56,15 @@ class Acting:
         self.joints = Joints(self.coordinates, self.inputs, nq, nv)
         self.problems += self.joints.problems
         self.constraints: list[Constraint] = [Welded(weld) for weld in welds]
-        self.left_out: Mapping[str, tuple[str, ...]] = mechanism.connections.left_out
         self._solver = Solver(self.joints, self.constraints, nv)
         self.mechanism, self._places = mechanism, Places(mechanism)
+        self._applied = Applied(
+            self.network, mechanism, self._places, self.moment, self.inputs, pulls=pulls
+        )
+        self.problems += self._applied.problems
+        self.left_out: Mapping[str, tuple[str, ...]] = {
+            kind: tuple(names) for kind, names in self._applied.left_out.items()
+        }
         self._wired = {port for node in self.network.signals for port in node}
         self._add_sensing()
 
@@ -64,7 +74,7 @@ class Acting:
         """Return what depends on the state alone, at the moment of that state."""
         out: Array = self._linear @ state + self._offset
         for entries, law in self._of_state:
-            out[entries] = np.ravel(law(self.moment))
+            out[entries] = law(self.moment)
         return out
 
     def respond(self, u: Array, vdot: Array) -> Array:
@@ -78,7 +88,7 @@ class Acting:
         )
         out = np.zeros(self.efforts.size)
         for entries, law in self._of_response:
-            out[entries] = np.ravel(law(response))
+            out[entries] = law(response)
         return out
 
     def _add_sensing(self) -> None:
@@ -90,13 +100,13 @@ class Acting:
                 continue
             if quantity.of_response is not None:
                 entries = self.efforts.add(quantity.port, quantity.shape)
-                self._of_response.append((entries, quantity.of_response))
+                self._of_response.append((entries, _flat(quantity.of_response, quantity.shape)))
                 continue
             entries = self.sensed.add(quantity.port, quantity.shape)
             if quantity.linear is not None:
                 linear.append((entries, *quantity.linear))
             elif quantity.of_state is not None:
-                self._of_state.append((entries, quantity.of_state))
+                self._of_state.append((entries, _flat(quantity.of_state, quantity.shape)))
         self._linear = np.zeros((self.sensed.size, self.plant.num_multibody_states()))
         self._offset = np.zeros(self.sensed.size)
         for entries, row, offset in linear:
@@ -118,6 +128,7 @@ class Acting:
         for block in self.network.blocks.values():
             if block.kind == "Transform Sensor" and block.source.startswith("sm_lib/"):
                 yield from self._of_transform_sensor(block)
+        yield from self._applied.quantities
 
     def _of_transform_sensor(self, block: Block) -> list[Quantity]:
         places = [self._places.at(frame) for frame in self.network.ends(block)]
@@ -143,10 +154,16 @@ class Acting:
         key = u.tobytes()
         found = self.moment.memo.get(key)
         if not isinstance(found, Solution):
-            found = self._solver.solve(self.moment, self._applied(u), u)
-            self.moment.memo[key] = found
+            moment = self.moment
+            force = self.joints.internal(moment) + self.joints.actuation(moment, u)
+            if not self._applied.is_idle:
+                force += self._applied.generalized(moment, u)
+            found = self.moment.memo[key] = self._solver.solve(moment, force, u)
         return found
 
-    def _applied(self, u: Array) -> Array:
-        """Return the generalized forces of all but motions and constraints, (nv,)."""
-        return self.joints.internal(self.moment) + self.joints.actuation(self.moment, u)
+
+def _flat(
+    law: Callable[[T], float | Array], shape: tuple[int, ...]
+) -> Callable[[T], float | Array]:
+    """Return a law whose matrix is a vector, row after row."""
+    return law if len(shape) < 2 else lambda at: np.ravel(law(at))

@@ -73,6 +73,8 @@ class Moment:
         self.memo: dict[object, object] = {}  # by the state alone
         self._poses: list[Array | None] = []
         self._twists: list[Array | None] = []
+        self._placed: dict[Place, tuple[Array, Array]] = {}
+        self._moving: dict[Place, tuple[Array, Array]] = {}
         self._accelerations: Sequence[Array] | None = None
 
     def move_to(self, state: Array) -> None:
@@ -83,6 +85,8 @@ class Moment:
         self.q, self.v = np.split(self._state, [self.plant.num_positions()])
         self.plant.SetPositionsAndVelocities(self.context, state)
         self.memo.clear()
+        self._placed.clear()
+        self._moving.clear()
         self._poses = [WORLD_POSE] + [None] * (len(self.bodies) - 1)
         self._twists = [np.zeros(6)] + [None] * (len(self.bodies) - 1)
         self._accelerations = None
@@ -105,9 +109,12 @@ class Moment:
 
     def pose(self, place: Place) -> tuple[Array, Array]:
         """Return R_WF and p_WF."""
-        X = self.body_pose(place.body)
-        R = X[:, :3]
-        return R @ place.R, R @ place.p + X[:, 3]
+        found = self._placed.get(place)
+        if found is None:
+            X = self.body_pose(place.body)
+            R = X[:, :3]
+            found = self._placed[place] = R @ place.R, R @ place.p + X[:, 3]
+        return found
 
     def arm(self, place: Place) -> Array:
         """Return the way from the body's origin to the place's, p_BF_W."""
@@ -116,9 +123,11 @@ class Moment:
 
     def twist(self, place: Place) -> tuple[Array, Array]:
         """Return w_WF and v_WF, in the world."""
-        V = self.body_twist(place.body)
-        w = V[:3]
-        return w, V[3:] + cross(w, self.arm(place))
+        found = self._moving.get(place)
+        if found is None:
+            V = self.body_twist(place.body)
+            found = self._moving[place] = V[:3], V[3:] + cross(V[:3], self.arm(place))
+        return found
 
     def acceleration(self, place: Place, vdot: Array) -> tuple[Array, Array]:
         """Return the angular acceleration of a place and that of its origin, in the world."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import partial, wraps
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -25,6 +25,20 @@ from drake_leg.simulink.multibody.mass import Array
 MEASURED_IN = ("World", "Base", "Follower", "NonRotatingBase", "NonRotatingFollower")
 
 
+def kept(law: Callable[[Relative, Moment], Array]) -> Callable[[Relative, Moment], Array]:
+    """Compute a quantity once a moment."""
+
+    @wraps(law)
+    def keeping(self: Relative, moment: Moment) -> Array:
+        key = self, law
+        found = moment.memo.get(key)
+        if not isinstance(found, np.ndarray):
+            found = moment.memo[key] = law(self, moment)
+        return found
+
+    return keeping
+
+
 class Relative:
     """The motion of a follower frame F from a base frame B, measured in a frame M."""
 
@@ -34,22 +48,26 @@ class Relative:
         self._rotates = frame in ("Base", "Follower")
         self._is_world = frame == "World"
 
+    @kept
     def rotation(self, moment: Moment) -> Array:
         """Return R_BF."""
         R: Array = moment.pose(self._base)[0].T @ moment.pose(self._follower)[0]
         return R
 
+    @kept
     def turning(self, moment: Moment) -> Array:
         """Return w_BF in F."""
         w = moment.twist(self._follower)[0] - moment.twist(self._base)[0]
         w_BF_F: Array = moment.pose(self._follower)[0].T @ w
         return w_BF_F
 
+    @kept
     def position(self, moment: Moment) -> Array:
         """Return p_BF in M [m]."""
         p: Array = self._R_MW(moment) @ self._apart(moment)
         return p
 
+    @kept
     def velocity(self, moment: Moment) -> Array:
         """Return the derivative of the position that M sees [m/s]."""
         v = moment.twist(self._follower)[1] - moment.twist(self._base)[1]
@@ -71,6 +89,7 @@ class Relative:
         found: Array = self._R_MW(moment) @ a
         return found
 
+    @kept
     def angular_velocity(self, moment: Moment) -> Array:
         """Return w_BF in M [rad/s]."""
         w: Array = moment.twist(self._follower)[0] - moment.twist(self._base)[0]
@@ -98,6 +117,7 @@ class Relative:
     def _w_WM(self, moment: Moment) -> Array:
         return moment.twist(self._measuring)[0]
 
+    @kept
     def _apart(self, moment: Moment) -> Array:
         apart: Array = moment.pose(self._follower)[1] - moment.pose(self._base)[1]
         return apart

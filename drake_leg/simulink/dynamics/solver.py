@@ -1,8 +1,8 @@
 """Finds the forces that make driven axes follow their motions, and keep loops closed.
 
 ``M vdot + h = S^T driving + J^T multipliers`` with ``S vdot`` and ``J vdot`` given: driven axes are
-taken out of the equations, and of the multipliers those of least norm are chosen where constraints
-are redundant, as in every loop that moves in a plane.
+taken out of the equations, and of constraints that are redundant, as in every loop that moves in a
+plane, as many are kept as are independent.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.lapack import dgesdd, dpotrf, dtrtrs
+from scipy.linalg.blas import dtrsm, dtrsv
+from scipy.linalg.lapack import dgeqp3, dpotrf, dpotrs
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.joints import Joints
@@ -21,7 +22,8 @@ from drake_leg.simulink.multibody.mass import Array
 # Pulls driven axes to their motions and loops together, against rounding and the integrator's
 # errors [1/s]; weak enough for steps of 50 ms.
 PULL = 20.0
-REDUNDANT = 1e-8  # of the greatest singular value of the constraints, below which one is redundant
+REDUNDANT = 1e-8  # of the greatest pivot of the constraints, below which one is redundant
+POOR = 1e-5  # of the greatest pivot, below which independent constraints are chosen again
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -66,6 +68,7 @@ class Solver:
         self._driven = np.array([np.flatnonzero(self._S[place])[0] for place in single], dtype=int)
         self._signs = self._S[self._single, self._driven]
         self._free = np.setdiff1d(np.arange(nv), self._driven)
+        self._independent: Array | None = None  # of the rows: those that were chosen last
 
     @property
     def is_idle(self) -> bool:
@@ -123,15 +126,42 @@ class Solver:
                 "joints that no motion drives move nothing that has mass: give it a mass, or drive "
                 "them, too"
             )
-        y = dtrtrs(L, -h[free], lower=1)[0]
+        y = dtrsv(L, -h[free], lower=1)
         multipliers = np.zeros(len(c))
         if len(c):
-            Z = dtrtrs(L, J[:, free].T, lower=1)[0]
-            U, sigma, Vt, _ = dgesdd(Z, full_matrices=0)
-            kept = sigma > REDUNDANT * max(float(sigma[0]), np.finfo(float).tiny)
-            U, sigma, Vt = U[:, kept], sigma[kept], Vt[kept]
-            s = (Vt @ (c - Z.T @ y)) / sigma
-            y = y + U @ s
-            multipliers = Vt.T @ (s / sigma)
-        step: Array = dtrtrs(L, y, lower=1, trans=1)[0]
+            Z = dtrsm(1.0, L, J[:, free].T, lower=1)
+            multipliers = self._multipliers(Z, c - Z.T @ y)
+            y = y + Z @ multipliers
+        step: Array = dtrsv(L, y, lower=1, trans=1)
         return step, multipliers
+
+    def _multipliers(self, Z: Array, gap: Array) -> Array:
+        """Solve ``Z^T Z x = gap`` for as many multipliers as are independent; the others are 0.
+
+        The forces of the constraints do not depend on which of them are chosen.
+        """
+        if self._independent is None or self._independent[-1] >= len(gap):
+            self._independent = independent_columns(Z)
+        for _ in range(2):
+            kept = self._independent
+            own = Z[:, kept]
+            C, failed = dpotrf(own.T @ own, lower=1)
+            diagonal = C.diagonal()
+            if not failed and diagonal.min() > POOR * diagonal.max():
+                x = np.zeros(len(gap))
+                x[kept] = dpotrs(C, gap[kept], lower=1)[0]
+                return x
+            self._independent = independent_columns(Z)
+        found: Array = np.linalg.pinv(Z, rcond=REDUNDANT) @ (
+            np.linalg.pinv(Z.T, rcond=REDUNDANT) @ gap
+        )
+        return found
+
+
+def independent_columns(Z: Array) -> Array:
+    """Return the numbers of as many columns as are independent, ascending."""
+    R, pivots, *_ = dgeqp3(Z)
+    diagonal = np.abs(np.diagonal(R))
+    rank = int((diagonal > REDUNDANT * max(diagonal[0], np.finfo(float).tiny)).sum())
+    found: Array = np.sort(pivots[:rank] - 1)
+    return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -21,8 +20,6 @@ from drake_leg.simulink.model import Model
 from drake_leg.simulink.multibody.bodies import Mechanism, mechanism_of
 from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.multibody.mass import Array
-
-Contact = Literal["smooth", "drake"]
 
 
 class MechanismSystem(Diagram):
@@ -164,15 +161,17 @@ class _Forces(LeafSystem):
 
 
 def mechanism_dynamics(
-    model: Model, mechanism: Mechanism | None = None, *, contact: Contact = "smooth"
+    model: Model, mechanism: Mechanism | None = None, *, pulls: bool = False
 ) -> MechanismSystem:
     """Build the mechanism of a model with all that acts on it.
+
+    ``pulls`` tells whether the damper of a contact may pull, which Simscape does not state.
 
     Raises
     ------
     InvalidValueError
         That lists all that is missing.
     """
-    acting = Acting(model, mechanism or mechanism_of(model), contact=contact)
+    acting = Acting(model, mechanism or mechanism_of(model), pulls=pulls)
     refuse(acting.problems)
     return MechanismSystem(acting)

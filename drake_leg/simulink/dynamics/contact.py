@@ -1,0 +1,179 @@
+"""Contact by Simscape's smooth spring and damper, with smooth stick-slip friction.
+
+At a depth d that grows at the rate v, the force is ``s(d / width) max(0, k d + c v)``, where s
+rises smoothly from 0 to 1. Simscape states neither the smooth function nor whether the force may
+pull; the one here is the polynomial of least degree that fits its description. The coefficient of
+friction rises from 0 at rest to the static one at the critical velocity, and falls to the dynamic
+one at half as much more.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from drake_leg.simulink.dynamics.joints import smooth
+from drake_leg.simulink.dynamics.moment import Moment, Place, cross
+from drake_leg.simulink.dynamics.shapes import Corners, Points, Surface
+from drake_leg.simulink.dynamics.wrenches import Wrenches
+from drake_leg.simulink.multibody.mass import Array
+
+SLIDING = 1.5  # times the critical velocity, from which on friction is dynamic
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactLaw:
+    """What two surfaces do to each other."""
+
+    stiffness: float  # [N/m]
+    damping: float  # [N*s/m]
+    width: float  # of the transition region [m]
+    static: float = 0.0  # coefficients of friction
+    dynamic: float = 0.0
+    critical: float = 1e-3  # velocity [m/s]
+    pulls: bool = False  # whether the damper may pull the two together
+
+    def normal(self, depth: float, rate: float) -> float:
+        """Return the force that pushes two surfaces apart [N]."""
+        if depth <= 0.0:
+            return 0.0
+        force = self.stiffness * depth + self.damping * rate
+        if not self.pulls:
+            force = max(0.0, force)
+        return smooth(depth / self.width) * force
+
+    def friction(self, speed: float) -> float:
+        """Return the coefficient of friction at a tangential speed [m/s]."""
+        s = speed / self.critical
+        if s <= 1.0:
+            return self.static * s * (3.0 - s * s) / 2.0
+        share = smooth((s - 1.0) / (SLIDING - 1.0))
+        return self.static + share * (self.dynamic - self.static)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Side:
+    """A geometry that touches, on a body."""
+
+    place: Place
+    surface: Surface | None  # that points of the other side may be in
+    corners: Corners | None  # that may be in the other side
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Touch:
+    """A point at which two surfaces are in each other, or the nearest one."""
+
+    index: int  # of the corner that touches
+    point: Array  # in the world [m]
+    normal: Array  # outward from the base, in the world
+    separation: float  # [m]
+    push: float = 0.0  # [N], along the normal, on the follower
+    friction: float = 0.0  # [N], its magnitude
+    approach: float = 0.0  # [m/s], of the follower along the normal
+    slip: Array = field(default_factory=lambda: np.zeros(3))  # of the follower [m/s], in the world
+    speed: float = 0.0  # of the slip [m/s]
+
+
+class Contact:
+    """The forces between two geometries."""
+
+    def __init__(self, base: Side, follower: Side, law: ContactLaw) -> None:
+        self.base, self.follower, self._law = base, follower, law
+        pairs = [(base, follower, 1.0), (follower, base, -1.0)]
+        pairs = [each for each in pairs if each[0].surface and each[1].corners]
+        round_ones = [each for each in pairs if each[1].corners and each[1].corners.radius]
+        self.pairs = round_ones[:1] or pairs
+
+    @property
+    def points(self) -> int:
+        """Return how many points a cloud has that touches; 0 where none does."""
+        corners = (side.corners for side in (self.base, self.follower) if side.surface is None)
+        return max((len(each.points) for each in corners if isinstance(each, Points)), default=0)
+
+    def touches(self, moment: Moment) -> list[Touch]:
+        """Return where the two are in each other, or nearest, at a moment."""
+        found = moment.memo.get(self)
+        if not isinstance(found, list):
+            found = [touch for pair in self.pairs for touch in self._between(moment, *pair)]
+            moment.memo[self] = found
+        return found
+
+    def separations(self, moment: Moment) -> Array:
+        """Return the distances of all points of a cloud [m]."""
+        on, of, _ = self.pairs[0]
+        assert on.surface is not None
+        return on.surface.signed(self._seen(moment, on, of))[0]
+
+    def act(self, moment: Moment, wrenches: Wrenches) -> None:
+        """Add the forces on both bodies."""
+        for touch in self.touches(moment):
+            if touch.push:
+                force = touch.push * touch.normal
+                if touch.speed > 0.0:
+                    force = force - touch.friction / touch.speed * touch.slip
+                wrenches.add(moment, self.follower.place.body, touch.point, force)
+                wrenches.add(moment, self.base.place.body, touch.point, -force)
+
+    def _velocity(self, moment: Moment, point: Array) -> Array:
+        """Return the velocity of the follower's point in the base's body, in the world."""
+        v = np.zeros(3)
+        for side, sign in ((self.follower, 1.0), (self.base, -1.0)):
+            body = side.place.body
+            if body:
+                V = moment.body_twist(body)
+                arm = point - moment.body_pose(body)[:, 3]
+                v += sign * (V[3:] + cross(V[:3], arm))
+        return v
+
+    def _seen(self, moment: Moment, on: Side, of: Side) -> Array:
+        """Return corners (n, 3) of one side in the frame of the other one's surface."""
+        assert on.surface is not None
+        assert of.corners is not None
+        (R_WS, p_WS), (R_WC, p_WC) = moment.pose(on.place), moment.pose(of.place)
+        inward = -R_WS[:, 2] if on.surface.is_ground else p_WS - p_WC
+        points = of.corners.toward(R_WC.T @ inward)
+        seen: Array = points @ (R_WC.T @ R_WS) + (p_WC - p_WS) @ R_WS
+        return seen
+
+    def _between(self, moment: Moment, on: Side, of: Side, sign: float) -> list[Touch]:
+        """List corners of one side that are in the other one's surface, or the nearest one."""
+        surface, corners = on.surface, of.corners
+        assert surface is not None
+        assert corners is not None
+        points = self._seen(moment, on, of)
+        distances, normals = surface.signed(points)
+        R_WS, p_WS = moment.pose(on.place)
+        radius = corners.radius
+        inside = np.flatnonzero(distances < radius).tolist()
+        found = []
+        for place in inside or [int(distances.argmin())]:
+            depth = radius - float(distances[place])
+            at = points[place] - (float(distances[place]) + radius) / 2.0 * normals[place]
+            point, normal = R_WS @ at + p_WS, sign * (R_WS @ normals[place])
+            found.append(self._touch(moment, place, point, normal, depth))
+        return found
+
+    def _touch(
+        self, moment: Moment, index: int, point: Array, normal: Array, depth: float
+    ) -> Touch:
+        if depth <= 0.0:
+            return Touch(index=index, point=point, normal=normal, separation=-depth)
+        v = self._velocity(moment, point)
+        rate = float(v @ normal)
+        slip = v - rate * normal
+        speed = math.sqrt(float(slip @ slip))
+        push = self._law.normal(depth, -rate)
+        return Touch(
+            index=index,
+            point=point,
+            normal=normal,
+            separation=-depth,
+            push=push,
+            friction=self._law.friction(speed) * abs(push),
+            approach=rate,
+            slip=slip,
+            speed=speed,
+        )

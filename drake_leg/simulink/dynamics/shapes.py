@@ -1,0 +1,289 @@
+"""Shapes that touch: how deep points are in one, and which points of another one may be.
+
+All are in the frame of their geometry. The distance of a point from a surface is negative inside;
+the normal points outward.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.multibody.meshes import mesh
+from drake_leg.simulink.multibody.solids import (
+    Brick,
+    Cylinder,
+    Ellipsoid,
+    Extrusion,
+    FileShape,
+    Revolution,
+    Shape,
+)
+
+UP = np.array([0.0, 0.0, 1.0])
+FAR = 1e9  # [m], the distance of what cannot touch
+
+
+class Surface(Protocol):
+    """A surface that points can be in."""
+
+    @property
+    def is_ground(self) -> bool:
+        """Whether its inside is all that is below."""
+        ...
+
+    def signed(self, points: Array) -> tuple[Array, Array]:
+        """Return the distances (n,) of points (n, 3) and the normals (n, 3) near them."""
+        ...
+
+
+class Corners(Protocol):
+    """Points of a shape that may be in another one."""
+
+    @property
+    def radius(self) -> float:
+        """Return the radius of the balls around the points [m]."""
+        ...
+
+    def toward(self, direction: Array) -> Array:
+        """Return points (n, 3); ``direction`` is that of the other shape's inside."""
+        ...
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Plane:
+    """The half-space below x, y."""
+
+    is_ground: bool = True
+
+    def signed(self, points: Array) -> tuple[Array, Array]:
+        """Return distances and normals."""
+        return points[:, 2], np.broadcast_to(UP, points.shape)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Points:
+    """Fixed points, or the center of a ball."""
+
+    points: Array  # (n, 3) [m]
+    radius: float = 0.0  # [m]
+
+    def toward(self, _: Array) -> Array:
+        """Return all of them."""
+        return self.points
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Box:
+    """A brick around the origin."""
+
+    half: Array  # (3,) [m]
+    is_ground: bool = False
+
+    def signed(self, points: Array) -> tuple[Array, Array]:
+        """Return distances and normals."""
+        beyond = np.abs(points) - self.half
+        return _from_beyond(beyond, np.where(points < 0.0, -1.0, 1.0))
+
+    @cached_property
+    def corners(self) -> Points:
+        """Return its eight corners."""
+        signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        return Points(points=signs * self.half)
+
+
+def _from_beyond(beyond: Array, signs: Array) -> tuple[Array, Array]:
+    """Return distances and normals of a box, by how far points are beyond its faces."""
+    outside = np.maximum(beyond, 0.0)
+    apart = np.sqrt((outside**2).sum(axis=1))
+    out = apart > 0.0
+    nearest = beyond.argmax(axis=1)
+    rows = np.arange(len(beyond))
+    distances = np.where(out, apart, beyond[rows, nearest])
+    normals = np.zeros_like(beyond)
+    normals[rows, nearest] = 1.0
+    normals[out] = outside[out] / apart[out, None]
+    return distances, normals * signs
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ball:
+    """An ellipsoid; the distance from one that is no sphere is exact to first order."""
+
+    radii: Array  # (3,) [m]
+    is_ground: bool = False
+
+    def signed(self, points: Array) -> tuple[Array, Array]:
+        """Return distances and normals."""
+        scaled = points / self.radii
+        length = np.linalg.norm(scaled, axis=1)
+        slope = scaled / self.radii
+        steep = np.maximum(np.linalg.norm(slope, axis=1), np.finfo(float).tiny)
+        return (length - 1.0) * length / steep, slope / steep[:, None]
+
+    @property
+    def radius(self) -> float:
+        """Return the radius of a sphere, whose center is its only corner."""
+        return float(self.radii[0]) if self._is_sphere else 0.0
+
+    @property
+    def _is_sphere(self) -> bool:
+        return bool((self.radii == self.radii[0]).all())
+
+    def toward(self, direction: Array) -> Array:
+        """Return the center of a sphere, or the point that is farthest in a direction."""
+        if self._is_sphere:
+            return np.zeros((1, 3))
+        scaled = self.radii * direction
+        return (self.radii * scaled / np.linalg.norm(scaled))[np.newaxis]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Barrel:
+    """A cylinder around z."""
+
+    rim: float  # radius [m]
+    half: float  # of its length [m]
+    radius: float = 0.0  # of its corners
+    is_ground: bool = False
+
+    def signed(self, points: Array) -> tuple[Array, Array]:
+        """Return distances and normals."""
+        reach = np.hypot(points[:, 0], points[:, 1])
+        beyond = np.column_stack([reach - self.rim, np.abs(points[:, 2]) - self.half])
+        signs = np.column_stack([np.ones_like(reach), np.where(points[:, 2] < 0.0, -1.0, 1.0)])
+        distances, across = _from_beyond(beyond, signs)
+        radial = np.where(
+            reach[:, None] > 0.0, points[:, :2] / np.maximum(reach, 1e-300)[:, None], [1.0, 0.0]
+        )
+        return distances, np.column_stack([across[:, :1] * radial, across[:, 1]])
+
+    def toward(self, direction: Array) -> Array:
+        """Return four points of each rim: the one farthest in a direction, and a cross with it."""
+        x, y = direction[:2].tolist()
+        length = math.hypot(x, y)
+        x, y = (x / length, y / length) if length > 1e-9 else (1.0, 0.0)
+        ring = self.rim * np.array([[x, y], [-y, x], [-x, -y], [y, -x]])
+        return np.vstack(
+            [np.column_stack([ring, np.full(4, side * self.half)]) for side in (-1.0, 1.0)]
+        )
+
+
+class Hull:
+    """The convex hull of points (n, 3)."""
+
+    is_ground = False
+
+    def __init__(self, points: Array) -> None:
+        try:
+            hull = ConvexHull(points)
+        except (QhullError, ValueError) as error:
+            raise InvalidValueError("its points span no volume: give it a thickness") from error
+        self._faces, self._offsets = hull.equations[:, :3], hull.equations[:, 3]
+        self._triangles = hull.points[hull.simplices]
+        self.corners = Points(points=hull.points[hull.vertices])
+
+    def signed(self, points: Array) -> tuple[Array, Array]:
+        """Return distances and normals."""
+        beyond = points @ self._faces.T + self._offsets
+        nearest = beyond.argmax(axis=1)
+        distances = beyond[np.arange(len(points)), nearest]
+        normals = self._faces[nearest]
+        for place in np.flatnonzero(distances > 0.0).tolist():
+            across = points[place] - nearest_of(self._triangles, points[place])
+            length = float(np.linalg.norm(across))
+            if length > 0.0:
+                distances[place], normals[place] = length, across / length
+        return distances, normals
+
+
+def nearest_of(triangles: Array, point: Array) -> Array:
+    """Return the point of triangles (n, 3, 3) that is nearest to a point (3,)."""
+    a, b, c = triangles.transpose(1, 0, 2)
+    found = [_on_edge(p, q, point) for p, q in ((a, b), (b, c), (c, a))]
+    across = np.cross(b - a, c - a)
+    square = np.maximum((across**2).sum(axis=1), np.finfo(float).tiny)
+    plumb = point - (((point - a) * across).sum(axis=1) / square)[:, None] * across
+    inside = np.ones(len(a), dtype=bool)
+    for p, q in ((a, b), (b, c), (c, a)):
+        inside &= (np.cross(q - p, plumb - p) * across).sum(axis=1) >= 0.0
+    candidates = np.vstack([*found, plumb[inside]])
+    nearest: Array = candidates[((candidates - point) ** 2).sum(axis=1).argmin()]
+    return nearest
+
+
+def _on_edge(p: Array, q: Array, point: Array) -> Array:
+    edge = q - p
+    square = np.maximum((edge**2).sum(axis=1), np.finfo(float).tiny)
+    share = np.clip(((point - p) * edge).sum(axis=1) / square, 0.0, 1.0)
+    on: Array = p + share[:, None] * edge
+    return on
+
+
+class Ground:
+    """Heights over a grid in x, y, with planes twisted between four neighbors."""
+
+    is_ground = True
+
+    def __init__(self, x: Array, y: Array, heights: Array) -> None:
+        if heights.shape != (len(x), len(y)) or min(len(x), len(y)) < 2:
+            raise InvalidValueError(
+                f"it has heights of size {heights.shape} for a grid of {len(x)} by {len(y)}: give "
+                "one for each point of the grid"
+            )
+        self._x, self._y, self._heights = x, y, heights
+
+    def signed(self, points: Array) -> tuple[Array, Array]:
+        """Return distances and normals; beside the grid is nothing."""
+        x, y, z = points.T
+        i = np.clip(np.searchsorted(self._x, x) - 1, 0, len(self._x) - 2)
+        j = np.clip(np.searchsorted(self._y, y) - 1, 0, len(self._y) - 2)
+        dx, dy = self._x[i + 1] - self._x[i], self._y[j + 1] - self._y[j]
+        s, t = (x - self._x[i]) / dx, (y - self._y[j]) / dy
+        h = self._heights
+        a, b, c, d = h[i, j], h[i + 1, j], h[i, j + 1], h[i + 1, j + 1]
+        height = a * (1 - s) * (1 - t) + b * s * (1 - t) + c * (1 - s) * t + d * s * t
+        slope_x = ((b - a) * (1 - t) + (d - c) * t) / dx
+        slope_y = ((c - a) * (1 - s) + (d - b) * s) / dy
+        normals = np.column_stack([-slope_x, -slope_y, np.ones_like(x)])
+        length = np.linalg.norm(normals, axis=1)
+        beside = (s < 0.0) | (s > 1.0) | (t < 0.0) | (t > 1.0)
+        return np.where(beside, FAR, (z - height) / length), normals / length[:, None]
+
+
+def surface_of(shape: Shape) -> Surface:
+    """Return the surface of a solid, or of its convex hull.
+
+    Raises
+    ------
+    InvalidValueError
+        If its geometry is in a file.
+    """
+    if isinstance(shape, Brick):
+        return Box(half=np.array(shape.edges) / 2.0)
+    if isinstance(shape, Cylinder):
+        return Barrel(rim=shape.radius, half=shape.length / 2.0)
+    if isinstance(shape, Ellipsoid):
+        return Ball(radii=np.array(shape.radii))
+    if isinstance(shape, Extrusion | Revolution):
+        return Hull(mesh(shape)[0])
+    assert isinstance(shape, FileShape)
+    raise InvalidValueError(
+        f"it touches with the geometry of {shape.file!r}, which is not read: let a simple solid of "
+        "about its shape touch, with a mass of 0"
+    )
+
+
+def corners_of(surface: Surface) -> Corners:
+    """Return the points of a solid that may be in another one."""
+    if isinstance(surface, Box | Hull):
+        return surface.corners
+    assert isinstance(surface, Ball | Barrel)
+    return surface
