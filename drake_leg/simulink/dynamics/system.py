@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -14,12 +15,15 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.acting import Acting
 from drake_leg.simulink.dynamics.start import start_of
 from drake_leg.simulink.model import Model
 from drake_leg.simulink.multibody.bodies import Mechanism, mechanism_of
 from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.multibody.mass import Array
+
+Contact = Literal["smooth", "pulling", "drake"]
 
 
 class MechanismSystem(Diagram):
@@ -161,17 +165,22 @@ class _Forces(LeafSystem):
 
 
 def mechanism_dynamics(
-    model: Model, mechanism: Mechanism | None = None, *, pulls: bool = False
+    model: Model, mechanism: Mechanism | None = None, *, contact: Contact = "smooth"
 ) -> MechanismSystem:
     """Build the mechanism of a model with all that acts on it.
 
-    ``pulls`` tells whether the damper of a contact may pull, which Simscape does not state.
+    Contact is by the blocks' law. By ``smooth`` it never pulls; by ``pulling`` its damper may pull
+    while two bodies part: Simscape states neither.
 
     Raises
     ------
     InvalidValueError
         That lists all that is missing.
     """
-    acting = Acting(model, mechanism or mechanism_of(model), pulls=pulls)
+    if contact == "drake":
+        raise InvalidValueError(
+            "contact by Drake's own law is not built: choose 'smooth' or 'pulling'"
+        )
+    acting = Acting(model, mechanism or mechanism_of(model), pulls=contact == "pulling")
     refuse(acting.problems)
     return MechanismSystem(acting)
