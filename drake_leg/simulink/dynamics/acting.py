@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -10,9 +11,11 @@ import numpy as np
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.applied import Applied
 from drake_leg.simulink.dynamics.coordinates import Axis, coordinates_of
+from drake_leg.simulink.dynamics.crossing import Crossing, sensed_of_crossing
 from drake_leg.simulink.dynamics.joints import Joints
+from drake_leg.simulink.dynamics.masses import rotors
 from drake_leg.simulink.dynamics.moment import Moment, Place, Places
-from drake_leg.simulink.dynamics.opening import opened
+from drake_leg.simulink.dynamics.opening import opened, with_acting
 from drake_leg.simulink.dynamics.ports import Layout
 from drake_leg.simulink.dynamics.relative import sensed_of_joint, sensed_of_transform
 from drake_leg.simulink.dynamics.sensing import (
@@ -24,10 +27,12 @@ from drake_leg.simulink.dynamics.sensing import (
 )
 from drake_leg.simulink.dynamics.solver import Constraint, Solution, Solver
 from drake_leg.simulink.dynamics.welds import Welded
+from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.mechanism import network_of
 from drake_leg.simulink.model import Block, Model
 from drake_leg.simulink.multibody.bodies import Mechanism
 from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.multibody.meshes import FileMeshes
 from drake_leg.simulink.multibody.plant import mechanism_plant
 from drake_leg.simulink.wiring import physical_part
 
@@ -43,23 +48,32 @@ class Acting:
         model: Model,
         mechanism: Mechanism,
         *,
+        where: Sequence[Path] = (),
         pulls: bool = False,
     ) -> None:
         self.problems: list[str] = []
         self.network = network_of(physical_part(model))
+        mechanism = with_acting(mechanism)
         self.tree, welds = opened(mechanism)
         self.plant = mechanism_plant(self.tree)
-        self.moment = Moment(self.tree, self.plant)
         self.inputs, self.sensed, self.efforts = Layout(), Layout(), Layout()
         self.coordinates = coordinates_of(self.tree, self.plant)
         nq, nv = self.plant.num_positions(), self.plant.num_velocities()
         self.joints = Joints(self.coordinates, self.inputs, nq, nv)
         self.problems += self.joints.problems
+        self._rotors = self._attempt(np.zeros(len(self.joints.motions)), rotors)
+        self.moment = Moment(self.tree, self.plant)
         self.constraints: list[Constraint] = [Welded(weld) for weld in welds]
-        self._solver = Solver(self.joints, self.constraints, nv)
+        self._solver = Solver(self.joints, self.constraints, self._rotors, nv)
         self.mechanism, self._places = mechanism, Places(mechanism)
         self._applied = Applied(
-            self.network, mechanism, self._places, self.moment, self.inputs, pulls=pulls
+            self.network,
+            mechanism,
+            self._places,
+            self.moment,
+            self.inputs,
+            files=FileMeshes(where),
+            pulls=pulls,
         )
         self.problems += self._applied.problems
         self.left_out: Mapping[str, tuple[str, ...]] = {
@@ -67,6 +81,13 @@ class Acting:
         }
         self._wired = {port for node in self.network.signals for port in node}
         self._add_sensing()
+
+    def _attempt(self, otherwise: Array, work: Callable[..., Array]) -> Array:
+        try:
+            return work(self.plant, self.joints, self.coordinates)
+        except InvalidValueError as error:
+            self.problems.append(str(error))
+            return otherwise
 
     # --- what is sensed ----------------------------------------------------------------------
 
@@ -79,19 +100,23 @@ class Acting:
 
     def respond(self, u: Array, vdot: Array) -> Array:
         """Return what depends on the inputs, too."""
+        out = np.zeros(self.efforts.size)
+        if not len(out):
+            return out
+        solution = self.solved(u)
         response = Response(
             moment=self.moment,
             u=u,
             vdot=vdot,
-            driving=self.solved(u).driving,
-            crossing=lambda _: np.zeros(6),
+            driving=solution.driving,
+            wrenches=self._wrenches(u, solution.multipliers) if self._carries else {},
         )
-        out = np.zeros(self.efforts.size)
         for entries, law in self._of_response:
             out[entries] = law(response)
         return out
 
     def _add_sensing(self) -> None:
+        self._carries = False  # whether a joint puts out what it carries
         self._of_state: list[tuple[slice, Callable[[Moment], float | Array]]] = []
         self._of_response: list[tuple[slice, Callable[[Response], float | Array]]] = []
         linear: list[tuple[slice, Array, float]] = []
@@ -114,6 +139,7 @@ class Acting:
 
     def _quantities(self) -> Iterable[Quantity]:
         ports: dict[str, Ports] = {}
+        crossing = Crossing(self.tree, np.array(self.mechanism.connections.gravity))
         for coordinate in self.coordinates:
             block = coordinate.joint.block
             own = ports.setdefault(block.sid, Ports(block))
@@ -121,6 +147,11 @@ class Acting:
                 yield from sensed_of_axis(self.joints, coordinate, own)
             else:
                 yield from sensed_of_ball(self.joints, coordinate, own)
+        for joint in self.tree.joints:
+            own_ones = [each for each in self.coordinates if each.joint is joint]
+            found = list(sensed_of_crossing(joint, own_ones, crossing, ports[joint.block.sid]))
+            self._carries = self._carries or bool(found)
+            yield from found
         for joint in self.mechanism.sensors:
             base = Place(body=joint.base, X_BF=joint.X_PB)
             follower = Place(body=joint.follower, X_BF=joint.X_CF)
@@ -146,6 +177,16 @@ class Acting:
         except InvalidValueError as error:
             self.problems.append(str(error))
             return []
+
+    def _wrenches(self, u: Array, multipliers: Array) -> Mapping[int, Array]:
+        """Return the wrenches of forces and constraints on bodies."""
+        wrenches = Wrenches(self._applied.wrenches(self.moment, u))
+        first = 0
+        for constraint in self.constraints:
+            last = first + len(constraint)
+            constraint.act(self.moment, multipliers[first:last], wrenches)
+            first = last
+        return wrenches.by_body
 
     # --- what acts ---------------------------------------------------------------------------
 

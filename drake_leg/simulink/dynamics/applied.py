@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 
@@ -27,7 +28,6 @@ from drake_leg.simulink.dynamics.shapes import (
     Ground,
     Plane,
     Points,
-    Surface,
     corners_of,
     surface_of,
 )
@@ -37,7 +37,10 @@ from drake_leg.simulink.model import Block, invalid_parameter, number, split_por
 from drake_leg.simulink.multibody.bodies import Mechanism
 from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES
 from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.multibody.meshes import FileMeshes
 from drake_leg.simulink.multibody.solids import Solid
+
+T = TypeVar("T")
 
 CONTACT = "Spatial Contact Force"
 
@@ -53,6 +56,7 @@ class Applied:
         moment: Moment,
         inputs: Layout,
         *,
+        files: FileMeshes,
         pulls: bool = False,
     ) -> None:
         self.problems: list[str] = []
@@ -62,7 +66,7 @@ class Applied:
         self._of_state: list[StateForce] = []
         self._of_input: list[InputForce] = []
         self._network, self._places, self._inputs, self._pulls = network, places, inputs, pulls
-        self._weights = Weights(moment)
+        self._files, self._weights = files, Weights(moment)
         self._solids = {
             solid.block.sid: (solid, Place(body=number_, X_BF=X_BR))
             for number_, body in enumerate(mechanism.bodies)
@@ -205,10 +209,22 @@ class Applied:
         others = [block for block in blocks if block.kind != CONTACT]
         return self._geometry(others[0], contact) if others else None
 
+    def _of_solid(self, solid: Solid, place: Place, contact: Block) -> Side | None:
+        shape = solid.shape
+        if shape is None:
+            raise InvalidValueError(
+                f"the block {contact.name!r} (SID {contact.sid}) lets {solid.block.name!r} touch, "
+                "which has no geometry: connect a solid"
+            )
+        surface = _of(solid.block, surface_of, shape, self._files)
+        if surface is None:
+            return None
+        return Side(place=place, surface=surface, corners=corners_of(surface))
+
     def _geometry(self, block: Block, contact: Block) -> Side | None:
         if block.sid in self._solids:
             solid, place = self._solids[block.sid]
-            return _solid_side(solid, place, contact)
+            return self._of_solid(solid, place, contact)
         place_ = self._places.at(self._network.frame(f"{block.sid}#{BASE}"))
         if place_ is None:
             return None
@@ -231,18 +247,7 @@ class Applied:
         )
 
 
-def _solid_side(solid: Solid, place: Place, contact: Block) -> Side:
-    shape = solid.shape
-    if shape is None:
-        raise InvalidValueError(
-            f"the block {contact.name!r} (SID {contact.sid}) lets {solid.block.name!r} touch, "
-            "which has no geometry: connect a solid"
-        )
-    surface = _of(solid.block, surface_of, shape)
-    return Side(place=place, surface=surface, corners=corners_of(surface))
-
-
-def _of(block: Block, make: Callable[..., Surface], *arguments: object) -> Surface:
+def _of(block: Block, make: Callable[..., T], *arguments: object) -> T:
     """Make a surface, and say of which block an error speaks."""
     try:
         return make(*arguments)

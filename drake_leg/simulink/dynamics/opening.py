@@ -27,6 +27,27 @@ class Weld:
     part: int  # the body with its origin there
 
 
+def with_acting(mechanism: Mechanism) -> Mechanism:
+    """Count the 6-DOF joints between connected bodies that act on them among the loops."""
+    acting = [joint for joint in mechanism.sensors if _acts(joint)]
+    return replace(
+        mechanism,
+        loops=(*mechanism.loops, *acting),
+        sensors=tuple(joint for joint in mechanism.sensors if joint not in acting),
+    )
+
+
+def _acts(joint: Joint) -> bool:
+    return any(
+        each.driven
+        or each.stiffness
+        or each.damping
+        or each.lower is not None
+        or each.upper is not None
+        for each in joint.primitives
+    )
+
+
 def opened(mechanism: Mechanism) -> tuple[Mechanism, tuple[Weld, ...]]:
     """Return a mechanism without loops, and the welds that close them.
 

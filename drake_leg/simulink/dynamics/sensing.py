@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -26,7 +26,7 @@ class Response:
     u: Array
     vdot: Array  # (nv,)
     driving: Array  # of each motion-driven axis [N*m or N], in the order of the motions
-    crossing: Callable[[int], Array]  # the wrench that crosses a joint, by its number
+    wrenches: Mapping[int, Array]  # of forces and constraints on bodies, at their origins
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

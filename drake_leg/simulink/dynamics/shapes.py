@@ -16,18 +16,18 @@ from scipy.spatial import ConvexHull, QhullError
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.multibody.mass import Array
-from drake_leg.simulink.multibody.meshes import mesh
+from drake_leg.simulink.multibody.meshes import FileMeshes, Meshes, mesh
 from drake_leg.simulink.multibody.solids import (
     Brick,
     Cylinder,
     Ellipsoid,
     Extrusion,
-    FileShape,
     Revolution,
     Shape,
 )
 
 UP = np.array([0.0, 0.0, 1.0])
+NEAR = 1.0  # times the size of a hull, up to which the distance from it is exact
 FAR = 1e9  # [m], the distance of what cannot touch
 
 
@@ -177,7 +177,10 @@ class Barrel:
 
 
 class Hull:
-    """The convex hull of points (n, 3)."""
+    """The convex hull of points (n, 3).
+
+    Far outside, the distance is that from the plane of a face.
+    """
 
     is_ground = False
 
@@ -189,6 +192,7 @@ class Hull:
         self._faces, self._offsets = hull.equations[:, :3], hull.equations[:, 3]
         self._triangles = hull.points[hull.simplices]
         self.corners = Points(points=hull.points[hull.vertices])
+        self._size = float(np.ptp(hull.points, axis=0).max())
 
     def signed(self, points: Array) -> tuple[Array, Array]:
         """Return distances and normals."""
@@ -196,7 +200,8 @@ class Hull:
         nearest = beyond.argmax(axis=1)
         distances = beyond[np.arange(len(points)), nearest]
         normals = self._faces[nearest]
-        for place in np.flatnonzero(distances > 0.0).tolist():
+        near = (distances > 0.0) & (distances < NEAR * self._size)
+        for place in np.flatnonzero(near).tolist():
             across = points[place] - nearest_of(self._triangles, points[place])
             length = float(np.linalg.norm(across))
             if length > 0.0:
@@ -258,14 +263,8 @@ class Ground:
         return np.where(beside, FAR, (z - height) / length), normals / length[:, None]
 
 
-def surface_of(shape: Shape) -> Surface:
-    """Return the surface of a solid, or of its convex hull.
-
-    Raises
-    ------
-    InvalidValueError
-        If its geometry is in a file.
-    """
+def surface_of(shape: Shape, files: FileMeshes) -> Surface | None:
+    """Return the surface of a solid, or of its convex hull; None where its file is not read."""
     if isinstance(shape, Brick):
         return Box(half=np.array(shape.edges) / 2.0)
     if isinstance(shape, Cylinder):
@@ -274,11 +273,8 @@ def surface_of(shape: Shape) -> Surface:
         return Ball(radii=np.array(shape.radii))
     if isinstance(shape, Extrusion | Revolution):
         return Hull(mesh(shape)[0])
-    assert isinstance(shape, FileShape)
-    raise InvalidValueError(
-        f"it touches with the geometry of {shape.file!r}, which is not read: let a simple solid of "
-        "about its shape touch, with a mass of 0"
-    )
+    read = files.mesh(shape, Meshes())
+    return Hull(read[0]) if read else None
 
 
 def corners_of(surface: Surface) -> Corners:

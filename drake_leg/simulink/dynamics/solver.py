@@ -17,6 +17,7 @@ from scipy.linalg.lapack import dgeqp3, dpotrf, dpotrs
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.joints import Joints
 from drake_leg.simulink.dynamics.moment import Moment
+from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.multibody.mass import Array
 
 # Pulls driven axes to their motions and loops together, against rounding and the integrator's
@@ -50,12 +51,18 @@ class Constraint:
         """Return J (r, nv), and c (r,), which pulls errors to zero."""
         raise NotImplementedError
 
+    def act(self, moment: Moment, multipliers: Array, wrenches: Wrenches) -> None:
+        """Add the wrenches of multipliers (r,) on bodies."""
+        raise NotImplementedError
+
 
 class Solver:
     """Solves for the forces of motions and constraints."""
 
-    def __init__(self, joints: Joints, constraints: Sequence[Constraint], nv: int) -> None:
-        self._constraints = constraints
+    def __init__(
+        self, joints: Joints, constraints: Sequence[Constraint], rotors: Array, nv: int
+    ) -> None:
+        self._constraints, self._rotors = constraints, rotors
         self._entries = np.array(
             [range(motion.entries.start, motion.entries.stop) for motion in joints.motions],
             dtype=int,
@@ -96,8 +103,8 @@ class Solver:
             step, multipliers = self._free_accelerations(M, h, J, c - J @ vdot)
             h = h + M[:, self._free] @ step
         h = h - multipliers @ J
-        driving = np.zeros(len(wanted))
-        driving[self._single] = h[self._driven] * self._signs
+        driving = -self._rotors * wanted
+        driving[self._single] += h[self._driven] * self._signs
         driving[self._mixed] = multipliers[: len(self._mixed)]
         total = force + multipliers @ J
         total[self._driven] += h[self._driven]

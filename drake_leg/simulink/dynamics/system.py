@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -165,12 +166,17 @@ class _Forces(LeafSystem):
 
 
 def mechanism_dynamics(
-    model: Model, mechanism: Mechanism | None = None, *, contact: Contact = "smooth"
+    model: Model,
+    mechanism: Mechanism | None = None,
+    *,
+    contact: Contact = "smooth",
+    where: Sequence[Path] = (),
 ) -> MechanismSystem:
     """Build the mechanism of a model with all that acts on it.
 
     Contact is by the blocks' law. By ``smooth`` it never pulls; by ``pulling`` its damper may pull
-    while two bodies part: Simscape states neither.
+    while two bodies part: Simscape states neither. Geometry of CAD programs that touches is looked
+    for in the folders ``where``; a contact whose geometry is not found is left out.
 
     Raises
     ------
@@ -181,6 +187,8 @@ def mechanism_dynamics(
         raise InvalidValueError(
             "contact by Drake's own law is not built: choose 'smooth' or 'pulling'"
         )
-    acting = Acting(model, mechanism or mechanism_of(model), pulls=contact == "pulling")
+    acting = Acting(
+        model, mechanism or mechanism_of(model), where=where, pulls=contact == "pulling"
+    )
     refuse(acting.problems)
     return MechanismSystem(acting)

@@ -9,6 +9,7 @@ from drake_leg.simulink.dynamics.moment import Moment
 from drake_leg.simulink.dynamics.opening import Weld
 from drake_leg.simulink.dynamics.solver import PULL, Constraint
 from drake_leg.simulink.dynamics.turns import rotvec
+from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.multibody.mass import Array
 
 _ORIGIN = np.zeros(3)
@@ -47,3 +48,10 @@ class Welded(Constraint):
             moment.context, JacobianWrtVariable.kV, part, _ORIGIN, body, body
         ).get_coeffs()
         return J, -bias - 2.0 * PULL * (J @ moment.v) - PULL**2 * self.gap(moment)
+
+    def act(self, moment: Moment, multipliers: Array, wrenches: Wrenches) -> None:
+        """Add the wrenches on the part, and their opposites on the body."""
+        R_WB, p = moment.body_pose(self.weld.body)[:, :3], moment.body_pose(self.weld.part)[:, 3]
+        torque, force = R_WB @ multipliers[:3], R_WB @ multipliers[3:]
+        wrenches.add(moment, self.weld.part, p, force, torque)
+        wrenches.add(moment, self.weld.body, p, -force, -torque)

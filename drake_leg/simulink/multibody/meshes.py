@@ -40,7 +40,7 @@ def write_meshes(mechanism: Mechanism, folder: Path, where: Sequence[Path] = ())
     Files of CAD programs are looked for by their names in other folders, with all folders inside.
     """
     found, once = Meshes(), Once()
-    files = _Files(where)
+    files = FileMeshes(where)
     for _, solid in mechanism.connections.solids:
         if not solid.is_drawn:
             continue
@@ -56,16 +56,21 @@ def write_meshes(mechanism: Mechanism, folder: Path, where: Sequence[Path] = ())
     return found
 
 
-class _Files:
-    """Reads files of geometry, each once, as OBJ in meters."""
+class FileMeshes:
+    """Reads files of geometry, each once, in meters; they are looked for by their names."""
 
     def __init__(self, where: Sequence[Path]) -> None:
         self._where = where
         self._places: dict[str, Path] | None = None
-        self._texts: dict[tuple[Path, float], str | None] = {}
+        self._meshes: dict[tuple[Path, float], tuple[Array, list[Triangle]] | None] = {}
 
     def text(self, shape: FileShape, found: Meshes) -> str | None:
-        """Read a shape, or note why it is not shown."""
+        """Read a shape as OBJ, or note why it is not shown."""
+        known = self.mesh(shape, found)
+        return obj(*known) if known else None
+
+    def mesh(self, shape: FileShape, found: Meshes) -> tuple[Array, list[Triangle]] | None:
+        """Read corners (n, 3) [m] and triangles of a shape, or note why it is not read."""
         name = PureWindowsPath(shape.file).name
         if self._places is None:
             self._places = {}
@@ -76,12 +81,12 @@ class _Files:
             found.missing += [name] if name not in found.missing else []
             return None
         key = place, shape.unit
-        if key not in self._texts:
-            self._texts[key] = _read(place, shape.unit, found)
-        return self._texts[key]
+        if key not in self._meshes:
+            self._meshes[key] = _read(place, shape.unit, found)
+        return self._meshes[key]
 
 
-def _read(path: Path, unit: float, found: Meshes) -> str | None:
+def _read(path: Path, unit: float, found: Meshes) -> tuple[Array, list[Triangle]] | None:
     try:
         import trimesh
     except ImportError:
@@ -93,7 +98,7 @@ def _read(path: Path, unit: float, found: Meshes) -> str | None:
             found.unread[path.name] = "it holds no triangle"
             return None
         scale = 1.0 if path.suffix.lower() in STEP else unit
-        return obj(scale * np.asarray(loaded.vertices), loaded.faces.tolist())
+        return scale * np.asarray(loaded.vertices, dtype=float), loaded.faces.tolist()
     except Exception as error:  # a damaged file may raise anything
         found.unread[path.name] = " ".join(str(error).split())[:100]
         return None

@@ -132,3 +132,63 @@ def test_a_floating_body_senses_as_its_joint(tmp_path):
     np.testing.assert_allclose(found[:6], [0.0, 2.0, 0.5, 0.0, 0.0, 0.0], atol=1e-15)
     np.testing.assert_allclose(found[6], [1.0, 0.0, 0.0, 0.0], atol=1e-15)
     np.testing.assert_allclose(found[7], [1.0, 2.0, 3.0], rtol=1e-14)
+
+
+def test_a_joint_without_mass_is_driven_but_not_free(tmp_path):
+    texts = {"MotionActuationMode": "InputMotion", "TorqueActuationMode": "ComputedTorque"}
+    for driven in (True, False):
+        built = MechanismBuilder()
+        built.joint("Prismatic", "Rail", **(texts if driven else {}), SenseTorqueForce="on")
+        built.transform("End")
+        built.meet("World", "Rail lconn:1")
+        built.meet("Rail", "End lconn:1")
+        if not driven:
+            with pytest.raises(InvalidValueError, match="'Rail' move nothing that has mass"):
+                dynamics(built, tmp_path)
+            continue
+        wired(built, "Rail", "lconn:2", "rconn:2")
+        system = dynamics(built, tmp_path)
+        context = system.CreateDefaultContext()
+        system.GetInputPort("u").FixValue(context, [0.0, 0.0, 3.0])
+        assert system.EvalTimeDerivatives(context)[1] == pytest.approx(3.0)
+        assert sensed(system, context, built, "Rail rconn:2") == pytest.approx(0.0, abs=1e-12)
+
+
+def test_what_crosses_a_joint_is_its_reaction(tmp_path):
+    names = ("ConstraintForce", "ConstraintTorque", "TotalForce", "TotalTorque")
+    for reverse in (False, True):
+        texts = {f"Sense{name}": "on" for name in names} | {
+            "TorqueActuationMode": "InputTorque", "CompositeWrenchDir": "BaseOnFollower",
+            "DampingCoefficient": "0.3", "DampingCoefficientUnits": "N*m/(rad/s)",
+        }  # fmt: skip
+        built = with_gravity(MechanismBuilder())
+        built.joint("Revolute", "Pivot", **texts)
+        built.transform("Arm", offset="[0.3 -0.2 0.5]", axis="+X", angle="35")
+        built.body("Ellipsoidal Solid", "Body", EllipsoidRadii="[0.1 0.2 0.3]")
+        built.transform("Tilt", axis="+Y", angle="50")
+        near, far = ("rconn:1", "lconn:1") if reverse else ("lconn:1", "rconn:1")
+        built.meet("World", "Tilt lconn:1")
+        built.meet("Tilt", f"Pivot {near}")
+        built.meet(f"Pivot {far}", "Arm lconn:1")
+        built.meet("Arm", "Body")
+        wired(built, "Pivot", "lconn:2", *(f"rconn:{n}" for n in range(2, 6)))
+        system = dynamics(built, tmp_path)
+        context = system.CreateDefaultContext()
+        system.GetInputPort("u").FixValue(context, [0.7])
+        context.SetContinuousState([0.4, 1.3])
+        fc, tc, ft, tt = (sensed(system, context, built, f"Pivot rconn:{n}") for n in range(2, 6))
+        plant = system.plant
+        own = plant.GetMyContextFromRoot(context)
+        pivot = plant.GetJointByName("Pivot")
+        reaction = plant.get_reaction_forces_output_port().Eval(own)[int(pivot.index())]
+        # On the outer body at the joint, in its frame, which for the base is the base's own.
+        R = np.eye(3)
+        if not reverse:
+            R = pivot.frame_on_child().CalcRotationMatrix(own, pivot.frame_on_parent()).matrix()
+        sign = -1.0 if reverse else 1.0
+        np.testing.assert_allclose(ft, sign * R @ reaction.translational(), atol=1e-9)
+        np.testing.assert_allclose(fc, ft, atol=1e-12)
+        np.testing.assert_allclose(tc[:2], sign * (R @ reaction.rotational())[:2], atol=1e-9)
+        np.testing.assert_allclose(tt[:2], tc[:2])
+        assert tc[2] == pytest.approx(0.0, abs=1e-12)
+        assert tt[2] == pytest.approx(0.7 - 0.3 * 1.3)

@@ -1,0 +1,80 @@
+"""Finds joints that move nothing that has mass.
+
+A motion can drive them all the same: a rotor at such a joint keeps the plant's equations regular,
+and changes nothing that moves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JointActuator
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics.coordinates import Axis, Coordinate
+from drake_leg.simulink.dynamics.joints import Joints
+from drake_leg.simulink.multibody.mass import Array
+
+SINGULAR = 1e-13  # of 1, of the mass matrix with a diagonal of ones
+
+
+def rotors(plant: MultibodyPlant, joints: Joints, coordinates: Sequence[Coordinate]) -> Array:
+    """Put rotors at motion-driven joints that need one; return their inertia, for each motion.
+
+    Raises
+    ------
+    InvalidValueError
+        That names joints that nothing drives and that move nothing that has mass.
+    """
+    found = np.zeros(len(joints.motions))
+    null = _massless(plant)
+    if not null.shape[1]:
+        return found
+    driven = [np.flatnonzero(joints.S[motion.axis]) for motion in joints.motions]
+    for number, (motion, places) in enumerate(zip(joints.motions, driven, strict=True)):
+        actuator = _actuator(plant, joints, motion.axis)
+        if actuator is not None and np.abs(null[places]).max() > 1e-6:
+            found[number] = 1.0
+            actuator.set_default_rotor_inertia(1.0)
+            actuator.set_default_gear_ratio(1.0)
+    null = _massless(plant)
+    if null.shape[1]:
+        light = np.abs(null).max(axis=1) > 1e-6
+        names = dict.fromkeys(
+            repr(each.joint.block.name) for each in coordinates if light[_velocity(each)]
+        )
+        raise InvalidValueError(
+            f"the joints {', '.join(names) or 'of bodies that float'} move nothing that has mass, "
+            "and no motion drives them: give what they move a mass"
+        )
+    return found
+
+
+def _velocity(coordinate: Coordinate) -> int:
+    """Return the place of a coordinate, or its first, among the plant's velocities."""
+    if isinstance(coordinate, Axis):
+        return int(np.abs(coordinate.S).argmax())
+    return coordinate.v
+
+
+def _massless(plant: MultibodyPlant) -> Array:
+    """Return directions of the velocities, in columns, in which nothing has mass."""
+    M = plant.CalcMassMatrix(plant.CreateDefaultContext())
+    diagonal = np.sqrt(np.maximum(np.diagonal(M), 0.0))
+    scale = np.where(diagonal > 0.0, diagonal, 1.0)
+    values, vectors = np.linalg.eigh(M / np.outer(scale, scale))
+    null: Array = vectors[:, values < SINGULAR * max(float(values[-1]), 1.0)] / scale[:, None]
+    longest: Array = np.abs(null).max(axis=0)
+    return null / longest
+
+
+def _actuator(plant: MultibodyPlant, joints: Joints, axis: int) -> JointActuator | None:
+    """Return Drake's actuator of a joint of one axis; None where it has none."""
+    velocity = int(np.abs(joints.S[axis]).argmax())
+    for index in plant.GetJointActuatorIndices():
+        actuator = plant.get_joint_actuator(index)
+        if actuator.joint().velocity_start() == velocity and actuator.num_inputs() == 1:
+            return actuator
+    return None
