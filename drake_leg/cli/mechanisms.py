@@ -15,8 +15,11 @@ from drake_leg.cli.terminal import fail, refuse_ignored, remark
 from drake_leg.files import ResultsFolder, check_file, write_text
 
 if TYPE_CHECKING:
+    from pydrake.systems.framework import Diagram
+
     from drake_leg.simulink.multibody.bodies import Mechanism
     from drake_leg.simulink.multibody.meshes import Meshes
+    from drake_leg.simulink.suggestions import Suggestion
 
 DISAGREES = 1
 SHOWN = 5  # names in a sentence
@@ -60,7 +63,7 @@ def _write(mechanism: Mechanism, chosen: argparse.Namespace) -> Path | None:
 
     place = chosen.out.with_name(f"{chosen.out.stem}_meshes")
     with TemporaryDirectory() as scratch:
-        meshes = write_meshes(mechanism, Path(scratch), _places(chosen))
+        meshes = write_meshes(mechanism, Path(scratch), places_of(Path(chosen.robot), chosen))
         if meshes.names:
             folder = ResultsFolder(place, overwrite=chosen.overwrite)
             with folder.begun() as inside:
@@ -73,9 +76,9 @@ def _write(mechanism: Mechanism, chosen: argparse.Namespace) -> Path | None:
     return place if meshes.names else None
 
 
-def _places(chosen: argparse.Namespace) -> tuple[Path, ...]:
-    """List the folders where files of geometry may lie."""
-    return (Path(chosen.robot).absolute().parent, *chosen.path)
+def places_of(path: Path, chosen: argparse.Namespace) -> tuple[Path, ...]:
+    """List the folders where files of geometry of a model may lie."""
+    return (path.absolute().parent, *chosen.path)
 
 
 def _remark_hidden(meshes: Meshes) -> None:
@@ -114,11 +117,17 @@ def read_mechanism(path: Path, chosen: argparse.Namespace) -> Mechanism:
         mechanism = mechanism_of(model)
     except InvalidValueError as error:
         raise InvalidValueError(f"{path}: {error}") from None
-    for script in used:
-        remark(
-            f"{_some(script.names)} taken from {script.path}: give --init to choose another file"
-        )
+    for sentence in taken_from(used):
+        remark(sentence)
     return mechanism
+
+
+def taken_from(used: Sequence[Suggestion]) -> list[str]:
+    """Say which scripts gave values that nobody named."""
+    return [
+        f"{_some(script.names)} taken from {script.path}: give --init to choose another file"
+        for script in used
+    ]
 
 
 def remarks(mechanism: Mechanism) -> Iterator[str]:
@@ -144,14 +153,21 @@ def remarks(mechanism: Mechanism) -> Iterator[str]:
 @contextmanager
 def shown_mechanism(path: Path, chosen: argparse.Namespace) -> Iterator[object]:
     """Yield a model's mechanism as something to be shown, at its state targets."""
-    from drake_leg.simulink.multibody.meshes import write_meshes
-    from drake_leg.simulink.multibody.plant import mechanism_scene
-
     mechanism = read_mechanism(path, chosen)
     for sentence in remarks(mechanism):
         remark(sentence)
+    with mechanism_in_3d(mechanism, places_of(path, chosen)) as scene:
+        yield scene
+
+
+@contextmanager
+def mechanism_in_3d(mechanism: Mechanism, places: Sequence[Path]) -> Iterator[Diagram]:
+    """Yield a diagram of a mechanism's plant and its shapes, while their files exist."""
+    from drake_leg.simulink.multibody.meshes import write_meshes
+    from drake_leg.simulink.multibody.plant import mechanism_scene
+
     with TemporaryDirectory() as folder:
-        meshes = write_meshes(mechanism, Path(folder), _places(chosen))
+        meshes = write_meshes(mechanism, Path(folder), places)
         _remark_hidden(meshes)
         paths = {solid: Path(folder) / name for solid, name in meshes.names.items()}
         yield mechanism_scene(mechanism, paths)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from drake_leg.simulink.model import Model
 
 
+CONTACTS = ("smooth", "drake")
 _SHOWN = 8  # names that a script sets
 _NEXT = re.compile(r",(?=\s*[A-Za-z]\w*\s*=(?!=))")  # between two settings
 
@@ -52,6 +53,48 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         metavar="BLOCK=CHOICE",
         help="choice of a variant subsystem, by its name or path; repeatable",
     )
+
+
+def add_model_run_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of a model that is run."""
+    parser.add_argument(
+        "--replace",
+        action="append",
+        default=[],
+        metavar="BLOCK=WHAT",
+        help="what a block of a Simulink model puts out instead, by its name or path: "
+        "'Chart=constant 0', or 'Chart=FILE.csv' with rows of time and values; repeatable",
+    )
+    parser.add_argument(
+        "--contact",
+        choices=CONTACTS,
+        help="law of contact forces of a Simulink model: its blocks' own, which is smooth, or "
+        "Drake's (default smooth)",
+    )
+
+
+def refuse_model_run_options(chosen: argparse.Namespace) -> None:
+    """Refuse these options where no Simulink model is named."""
+    refuse_ignored(
+        {"--replace": bool(chosen.replace), "--contact": chosen.contact is not None},
+        "is for Simulink models and means nothing here",
+    )
+
+
+def replacements_in(given: Sequence[str]) -> dict[str, str]:
+    """Read ``Block=constant 0``."""
+    found: dict[str, str] = {}
+    for text in given:
+        block, equals, what = text.rpartition("=")
+        if not (block.strip() and equals and what.strip()):
+            raise InvalidValueError(
+                f"--replace {text} names no block, or nothing for it to put out: write "
+                "'BLOCK=constant 0' or BLOCK=FILE.csv"
+            )
+        if block.strip() in found:
+            raise InvalidValueError(f"--replace names {block.strip()!r} twice: keep one")
+        found[block.strip()] = what.strip()
+    return found
 
 
 def opened(path: Path, chosen: argparse.Namespace, init: Sequence[Path] = ()) -> Model:

@@ -11,6 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_numbers, ground_of, named_or_robot
+from drake_leg.cli.model_files import (
+    add_model_options,
+    add_model_run_options,
+    is_model,
+    refuse_model_options,
+    refuse_model_run_options,
+)
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -47,7 +54,8 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
         "Carry out one run and write recording.csv (its rows are the integrator's "
-        "own steps, at most 40 ms apart), summary.json and figures into DIR."
+        "own steps, at most 40 ms apart), summary.json and figures into DIR. A Simulink model "
+        "runs for as long as its file says, and what its scopes show is recorded."
     )
     parser.epilog = (
         "Lists are written with commas: --q0 -90,50,90. An option that a run does not "
@@ -56,8 +64,8 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "name",
         metavar="NAME",
-        help=f"one of {', '.join(RUNS)}, or a TOML or .par file of a robot of your own, "
-        "whose foot makes the straight step",
+        help=f"one of {', '.join(RUNS)}; a TOML or .par file of a robot of your own, "
+        "whose foot makes the straight step; or a Simulink model (.slx, .mdl)",
     )
     add_numbers(parser)
     add_output(parser)
@@ -67,15 +75,23 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
         help=f"format of the figures: {', '.join(CHOICES)} (default {CHOSEN})",
     )
     add_shows(parser)
+    add_model_options(parser)
+    add_model_run_options(parser)
     add_run_options(parser)
     parser.set_defaults(command=_run)
 
 
 def _run(chosen: argparse.Namespace) -> int:
+    if is_model(chosen.name):
+        from drake_leg.cli.model_run import run_model_file
+
+        return run_model_file(chosen)
+    refuse_model_options(chosen)
+    refuse_model_run_options(chosen)
     kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
     options, formats = _options_and_formats(kind, chosen)
     folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
-    _check_shows(chosen)
+    check_shows(chosen)
     if formats:
         require_matplotlib()
     with saved() as hold:
@@ -207,7 +223,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "options on the command line override it",
     )
     group = parser.add_argument_group("options of runs")
-    for option, fields in _fields_by_name().items():
+    for option, fields in fields_by_name().items():
         first = next(iter(fields.values()))
         unit = first.metadata["unit"]
         takes: dict[str, Any] = (
@@ -256,10 +272,10 @@ def _from_file(
 def _overridden(kind: RunKind, options: RunOptions, chosen: argparse.Namespace) -> RunOptions:
     """Put the command line's options in the place of the file's."""
     known = {field.name: field for field in dataclasses.fields(kind.options)}
-    given = {name: text for name, text in vars(chosen).items() if name in _fields_by_name()}
+    given = {name: text for name, text in vars(chosen).items() if name in fields_by_name()}
     for name in given:
         if name not in known:
-            runs = list(_fields_by_name()[name])
+            runs = list(fields_by_name()[name])
             raise InvalidValueError(
                 f"{chosen.name} has no option {option_of(name)}",
                 advice=f"only {', '.join(runs)} {'has' if len(runs) == 1 else 'have'} it",
@@ -268,7 +284,7 @@ def _overridden(kind: RunKind, options: RunOptions, chosen: argparse.Namespace) 
     return dataclasses.replace(options, **values)
 
 
-def _fields_by_name() -> dict[str, dict[str, dataclasses.Field[Any]]]:
+def fields_by_name() -> dict[str, dict[str, dataclasses.Field[Any]]]:
     """Collect the options of all runs: option -> run -> field."""
     found: dict[str, dict[str, dataclasses.Field[Any]]] = {}
     for name, kind in RUNS.items():
@@ -341,15 +357,15 @@ def add_shows(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _shows(chosen: argparse.Namespace) -> dict[str, Path]:
+def shows_of(chosen: argparse.Namespace) -> dict[str, Path]:
     """Return the files to write in addition to the folder of results, by option."""
     given = {"replay": chosen.replay, "video": chosen.video}
     return {option: path for option, path in given.items() if path is not None}
 
 
-def _check_shows(chosen: argparse.Namespace) -> None:
+def check_shows(chosen: argparse.Namespace) -> None:
     """Refuse files that cannot be written, before work is done for them."""
-    for option, path in _shows(chosen).items():
+    for option, path in shows_of(chosen).items():
         from drake_leg.scene.media import check_show  # not needed without these options
 
         if path.suffix.lower() not in ENDINGS[option]:
@@ -389,7 +405,7 @@ def _write_shows(
                 else:
                     png = walking_still(motion(), motion().time[-1] / 2.0, view=view).png
                 (scratch / f"still_{view}.png").write_bytes(png)
-    for option, path in _shows(chosen).items():
+    for option, path in shows_of(chosen).items():
         with pictures.trying(f"the {option} {path}"), place_given_by(f"--{option}"):
             from drake_leg.scene.media import write_show
 

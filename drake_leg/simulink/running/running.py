@@ -4,21 +4,28 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.analysis import (
+    ApplySimulatorConfig,
+    ExtractSimulatorConfig,
+    Simulator,
+    SimulatorConfig,
+)
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, EventStatus
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.progress import interrupts_kept
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
 from drake_leg.simulink.model import Model, number, vector
 from drake_leg.simulink.running.compiling import Code, Ports, compile_signals, refuse
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
+from drake_leg.simulink.running.replacing import replaced
 from drake_leg.simulink.running.settings import flat, shape_of
 from drake_leg.simulink.running.system import SignalSystem
 
@@ -27,6 +34,7 @@ ACCURACY = 1e-6
 ROWS = 1000  # of a recording
 STEPS = 50  # at least, of a run, as Simulink takes
 LONGEST_BREAKS = 100_000
+INTERRUPTED = "interrupted"
 
 
 class ModelDiagram(Diagram):
@@ -92,9 +100,18 @@ class ModelRun:
     states: Array  # (rows, nq + nv) of the mechanism's plant; (rows, 0) without one
     ended: float  # [s]
     stopped: str = ""  # why before its time; "" where it came to its end
+    by_block: bool = False  # whether a Stop block ended it
     seconds: float = 0.0  # that the run took
     steps: int = 0
+    integrator: str = ""  # Drake's name of it
+    accuracy: float = 0.0  # that was asked for
+    longest_step: float = 0.0  # [s]
     remarks: tuple[str, ...] = ()
+
+    @property
+    def complete(self) -> bool:
+        """Whether it came to its end, or to where a Stop block ends it."""
+        return self.by_block or not self.stopped
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -126,6 +143,7 @@ def runnable(
     *,
     duration: float | None = None,
     contact: Contact = "smooth",
+    replace: Mapping[str, str] | None = None,
 ) -> Runnable:
     """Make a model ready to run.
 
@@ -137,12 +155,16 @@ def runnable(
         Instead of the file's own stop time [s].
     contact : {"smooth", "drake"}
         The law of contact forces: the blocks' own, or Drake's.
+    replace : mapping of str to str, optional
+        What blocks put out instead of what they would, by name or path: ``"constant 0"``, or the
+        name of a CSV file with a table of time and values.
 
     Raises
     ------
     InvalidValueError
         That lists all that is missing for a run.
     """
+    model = replaced(model, replace or {})
     mechanism = mechanism_dynamics(model, contact=contact) if has_mechanism(model) else None
     network = signal_network(model, mechanism.motions if mechanism else frozenset())
     solver = _solver(model, duration)
@@ -260,15 +282,19 @@ def run_model(
     began = time.monotonic()
     stopped = ""
     try:
-        with np.errstate(all="ignore"):
+        with interrupts_kept(), np.errstate(all="ignore"):
             simulator.Initialize()
             for corner in corners(ready.code, duration):
                 simulator.AdvanceTo(corner)
                 if watch.stopped:
                     break
+    except KeyboardInterrupt:
+        stopped = INTERRUPTED
     except (RuntimeError, InvalidValueError, ArithmeticError, IndexError, ValueError) as error:
         stopped = _reason(error, context, ready)
-    return _recorded(ready, context, watch.stopped or stopped, time.monotonic() - began, simulator)
+    finally:
+        simulator.clear_monitor()
+    return _recorded(ready, simulator, watch, stopped, time.monotonic() - began)
 
 
 def corners(code: Code, duration: float) -> Iterator[float]:
@@ -294,6 +320,7 @@ class _Watch:
         self._diagram, self._budget, self._progress = diagram, budget, progress
         self._began = time.monotonic()
         self.stopped = ""
+        self.by_block = False
 
     def __call__(self, context: Context) -> EventStatus:
         x = context.get_continuous_state_vector().CopyToVector()
@@ -304,6 +331,7 @@ class _Watch:
             shown = signals.GetOutputPort("scopes").Eval(signals.GetMyContextFromRoot(context))
             for place, (_, name) in enumerate(signals.code.stops):
                 if shown[sum(signals.widths) + place]:
+                    self.by_block = True
                     return self._end(context, f"the block {name!r} stops it")
         if self._progress is not None:
             self._progress(context.get_time())
@@ -333,9 +361,10 @@ def _reason(error: Exception, context: Context, ready: Runnable) -> str:
 
 
 def _recorded(
-    ready: Runnable, context: Context, stopped: str, seconds: float, simulator: Simulator
+    ready: Runnable, simulator: Simulator, watch: _Watch, stopped: str, seconds: float
 ) -> ModelRun:
-    diagram = ready.diagram
+    diagram, context = ready.diagram, simulator.get_context()
+    settings = ExtractSimulatorConfig(simulator)
     shown: list[Shown] = []
     times: Array = np.zeros(0)
     states: Array = np.zeros((0, 0))
@@ -361,9 +390,13 @@ def _recorded(
         shown=tuple(shown),
         states=states,
         ended=context.get_time(),
-        stopped=stopped,
+        stopped=watch.stopped or stopped,
+        by_block=watch.by_block,
         seconds=seconds,
         steps=int(simulator.get_num_steps_taken()),
+        integrator=settings.integration_scheme,
+        accuracy=settings.accuracy,
+        longest_step=settings.max_step_size,
         remarks=ready.remarks,
     )
 

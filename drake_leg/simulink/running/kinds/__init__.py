@@ -83,6 +83,7 @@ def kind_of(node: Node) -> Kind | None:
         logic,
         maths,
         physical,
+        replacements,
         routing,
         sinks,
         sources,

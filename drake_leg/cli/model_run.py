@@ -1,0 +1,305 @@
+"""``drake-leg run MODEL.slx``: a Simulink model run, what its scopes show recorded and drawn."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from drake_leg.cli.mechanisms import mechanism_in_3d, places_of, taken_from
+from drake_leg.cli.model_files import CONTACTS, opened, replacements_in
+from drake_leg.cli.run import check_shows, fields_by_name, shows_of
+from drake_leg.cli.terminal import (
+    BAD_INPUT,
+    FAILED,
+    INTERRUPTED,
+    STOPPED_EARLY,
+    Pictures,
+    at_work,
+    fail,
+    numbers,
+    option_of,
+    place_given_by,
+    refuse_ignored,
+    remark,
+    remark_if_sketched,
+    stop_note,
+)
+from drake_leg.errors import InvalidValueError, require_matplotlib
+from drake_leg.files import ResultsFolder
+from drake_leg.pictures.formats import CHOICES, CHOSEN, formats_of
+from drake_leg.progress import ProgressBar, saved
+from drake_leg.units import require_positive
+
+if TYPE_CHECKING:
+    from drake_leg.scene.scene import PlantMotion
+    from drake_leg.simulation.recording import Recording
+    from drake_leg.simulink.lacks import Lack
+    from drake_leg.simulink.model import Model
+    from drake_leg.simulink.running.running import ModelRun, Runnable
+    from drake_leg.simulink.running.summary import Column, SinkFigure
+
+OF_MODELS = ("duration", "accuracy")  # options of runs that models have, too
+
+
+def run_model_file(chosen: argparse.Namespace) -> int:
+    """Run a model, write what was recorded, and draw it."""
+    refuse_options_of_runs(chosen)
+    duration, accuracy = (_positive(chosen, name) for name in OF_MODELS)
+    formats = CHOICES[CHOSEN] if chosen.figures is None else formats_of(chosen.figures)
+    folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
+    check_shows(chosen)
+    if formats:
+        require_matplotlib()
+    model, ready, said = runnable_file(Path(chosen.name), chosen, duration=duration)
+    _require_mechanism(chosen, ready)
+    pictures = Pictures()
+    with saved() as hold:
+        run = _carried_out(ready, chosen.name, accuracy, hold)
+        columns, recording, summary = _results(model, ready, run, said, chosen)
+        with folder.begun() as scratch:
+            recording.write_csv(scratch / "recording.csv")
+            text = json.dumps(summary, indent=2, allow_nan=False)
+            (scratch / "summary.json").write_text(f"{text}\n", encoding="utf-8")
+        rows = f"{summary['rows']} rows, {summary['real_time_factor']:.3g} x real time"
+        print(f"wrote {folder.path}: {len(columns)} columns, {rows}")
+    try:
+        with at_work(chosen.name, "pictures"):
+            if formats:
+                _draw(model.name, run, columns, formats, folder, pictures)
+            made = _write_shows(chosen, model, ready, run, summary, folder, pictures)
+    except KeyboardInterrupt:
+        return fail(f"interrupted; the data in {folder.path} are whole", INTERRUPTED)
+    for path in made:
+        print(f"wrote {path}")
+    pictures.print_failures()
+    for sentence in summary["remarks"]:
+        remark(sentence)
+    return _status(run, ready, folder, pictures)
+
+
+def refuse_options_of_runs(chosen: argparse.Namespace) -> None:
+    """Refuse the options that a Simulink model does not have."""
+    given = {option_of(name): name in chosen for name in fields_by_name() if name not in OF_MODELS}
+    refuse_ignored(
+        {"--config": chosen.config is not None, **given}, "means nothing to a Simulink model"
+    )
+
+
+def _positive(chosen: argparse.Namespace, name: str) -> float | None:
+    """Read an option that is a positive number, None where it was not given."""
+    text = getattr(chosen, name, None)
+    if text is None:
+        return None
+    (value,) = numbers(option_of(name), text, 1)
+    require_positive(option_of(name), value, "s" if name == "duration" else "")
+    return value
+
+
+def runnable_file(
+    path: Path, chosen: argparse.Namespace, *, duration: float | None
+) -> tuple[Model, Runnable, list[str]]:
+    """Open a model with its options, and make it ready to run; say which scripts gave it values.
+
+    Where values are missing and no script was named, those are taken that a person would run.
+    """
+    from drake_leg.simulink.running.replacing import replaced
+    from drake_leg.simulink.running.running import runnable
+    from drake_leg.simulink.suggestions import with_scripts
+
+    replacements = replacements_in(chosen.replace)
+    contact = chosen.contact or CONTACTS[0]
+
+    def read(init: Sequence[Path] = ()) -> Model:
+        return replaced(opened(path, chosen, init), replacements)
+
+    def ready_to_run(model: Model) -> Runnable:
+        return runnable(model, duration=duration, contact=contact)
+
+    with _about(path), at_work(chosen.name, "the model is read"):
+        model = read()
+        try:
+            return model, ready_to_run(model), []
+        except InvalidValueError:
+            if chosen.init:
+                raise
+        model, used = with_scripts(model, read, _lacks)
+        return model, ready_to_run(model), taken_from(used)
+
+
+def _lacks(model: Model) -> list[Lack]:
+    from drake_leg.simulink.lacks import lacks_of
+    from drake_leg.simulink.running.compiling import lacks_for_run
+    from drake_leg.simulink.running.network import signal_network
+
+    return [*lacks_of(model), *lacks_for_run(signal_network(model))]
+
+
+@contextmanager
+def _about(path: Path) -> Iterator[None]:
+    """Name the file in what is wrong about it."""
+    try:
+        yield
+    except InvalidValueError as error:
+        advice = getattr(error, "advice", "")
+        said = str(error)
+        if said.startswith(f"{path}"):
+            raise
+        said = said.removesuffix(advice).rstrip(" :") if advice else said
+        raise InvalidValueError(f"{path}: {said}", advice=advice) from None
+
+
+def _require_mechanism(chosen: argparse.Namespace, ready: Runnable) -> None:
+    if ready.diagram.mechanism is not None:
+        return
+    given = {"--stills": chosen.stills, **{f"--{name}": True for name in shows_of(chosen)}}
+    refuse_ignored(given, "shows a mechanism, and this model has none")
+
+
+def _carried_out(
+    ready: Runnable, name: str, accuracy: float | None, hold: Callable[[], None]
+) -> ModelRun:
+    """Simulate; from the end on, signals wait until the recording is saved."""
+    from drake_leg.simulink.running.running import run_model
+
+    duration = ready.solver["duration"]
+    with ProgressBar(sys.stderr, name, max(duration, 1e-300), "s") as bar:
+
+        def progress(time: float) -> None:
+            if time >= duration:
+                hold()
+            bar(time)
+
+        return run_model(ready, accuracy=accuracy, progress=progress)
+
+
+def _results(
+    model: Model,
+    ready: Runnable,
+    run: ModelRun,
+    said: Sequence[str],
+    chosen: argparse.Namespace,
+) -> tuple[tuple[Column, ...], Recording, dict[str, Any]]:
+    from drake_leg.simulink.running.summary import (
+        columns_of,
+        recording_of,
+        remarks_of,
+        summary_of,
+    )
+
+    columns = columns_of(ready, run)
+    remarks = [*said, *remarks_of(model, ready, run)]
+    replaced = [
+        f"{block} puts out {what}" for block, what in replacements_in(chosen.replace).items()
+    ]
+    if replaced:
+        remarks.append(f"replaced: {'; '.join(replaced)}")
+    if chosen.contact == CONTACTS[1]:
+        remarks.append("contact forces follow Drake's law, not the blocks' smooth one")
+    summary = {"run": chosen.name, **summary_of(model, ready, run, columns, remarks)}
+    return columns, recording_of(run, columns), summary
+
+
+def _draw(
+    name: str,
+    run: ModelRun,
+    columns: Sequence[Column],
+    formats: Sequence[str],
+    folder: ResultsFolder,
+    pictures: Pictures,
+) -> None:
+    """Add a figure of each sink to the data, one by one."""
+    from drake_leg.simulink.running.summary import figures_of
+
+    with pictures.trying(f"a figure of {name}"):
+        for sink in figures_of(columns):
+            with pictures.trying(f"the figure {sink.file_name}"), folder.more() as scratch:
+                _draw_sink(name, run, sink, formats, scratch)
+
+
+def _draw_sink(
+    name: str, run: ModelRun, sink: SinkFigure, formats: Sequence[str], folder: Path
+) -> None:
+    from drake_leg.pictures.plots.scope_plots import Curve, scope_plot, xy_plot
+    from drake_leg.pictures.plots.style import save
+
+    axes = [[Curve(label=each.label, values=each.values) for each in one] for one in sink.axes]
+    title = f"{name}: {sink.title}"
+    figure = xy_plot(title, *axes) if sink.is_xy else scope_plot(title, run.time, axes)
+    save(figure, folder, sink.file_name, formats)
+
+
+def _write_shows(
+    chosen: argparse.Namespace,
+    model: Model,
+    ready: Runnable,
+    run: ModelRun,
+    summary: Mapping[str, Any],
+    folder: ResultsFolder,
+    pictures: Pictures,
+) -> list[Path]:
+    """Write stills into the folder of results, page and video beside it; return these two."""
+    if not (chosen.stills or shows_of(chosen)):
+        return []
+    from drake_leg.scene.media import still, write_show
+    from drake_leg.scene.scene import VIEWS
+
+    made: list[Path] = []
+    with (
+        pictures.trying(f"the mechanism of {model.name}"),
+        _motion(chosen, model, ready, run) as moved,
+    ):
+        for view in VIEWS if chosen.stills else ():
+            with pictures.trying(f"the still {view}"), folder.more() as scratch:
+                png = still(moved.shown, moved.q[0], view=view, motion=moved).png
+                (scratch / f"still_{view}.png").write_bytes(png)
+        for option, path in shows_of(chosen).items():
+            with pictures.trying(f"the {option} {path}"), place_given_by(f"--{option}"):
+                write = partial(write_show, title=model.name, note=stop_note(summary))
+                write(path, moved, overwrite=chosen.overwrite)
+                made.append(path)
+        if chosen.stills:
+            remark_if_sketched()
+    return made
+
+
+@contextmanager
+def _motion(
+    chosen: argparse.Namespace, model: Model, ready: Runnable, run: ModelRun
+) -> Iterator[PlantMotion]:
+    """Yield how the mechanism moved, as something to be shown."""
+    from drake_leg.scene.scene import PlantMotion
+    from drake_leg.scene.shown_plant import shown
+    from drake_leg.simulink.multibody.bodies import mechanism_of
+    from drake_leg.simulink.running.replaying import positions_of
+
+    assert ready.diagram.mechanism is not None
+    places = places_of(Path(chosen.name), chosen)
+    with mechanism_in_3d(mechanism_of(model), places) as scene:
+        what = shown(scene, title=model.name)
+        time, q = positions_of(run, ready.diagram.mechanism.plant, what.plant)
+        yield PlantMotion(shown=what, time=time, q=q)
+
+
+def _status(run: ModelRun, ready: Runnable, folder: ResultsFolder, pictures: Pictures) -> int:
+    """Print what went wrong, and choose the exit status."""
+    from drake_leg.simulink.running.running import INTERRUPTED as BY_HAND
+
+    status = 0
+    if pictures.failures:
+        status = fail(f"the data in {folder.path} are whole", FAILED)
+    if folder.remark:
+        status = fail(folder.remark, BAD_INPUT)
+    if run.by_block:
+        remark(run.stopped)
+    if run.complete:
+        return status
+    return fail(
+        f"stopped at {run.ended:.9g} s of {ready.solver['duration']:g} s: {run.stopped}",
+        INTERRUPTED if run.stopped == BY_HAND else STOPPED_EARLY,
+    )
