@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from drake_leg.simulink.model import Model
 
 
-CONTACTS = ("smooth", "drake")
+CONTACTS = ("smooth", "pulling")
 _SHOWN = 8  # names that a script sets
 _NEXT = re.compile(r",(?=\s*[A-Za-z]\w*\s*=(?!=))")  # between two settings
 
@@ -68,8 +68,8 @@ def add_model_run_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--contact",
         choices=CONTACTS,
-        help="law of contact forces of a Simulink model: its blocks' own, which is smooth, or "
-        "Drake's (default smooth)",
+        help="whether the damper of a contact of a Simulink model may pull while two bodies part: "
+        "smooth, it never pulls, or pulling (default smooth)",
     )
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.mechanisms import mechanism_in_3d, places_of, taken_from
-from drake_leg.cli.model_files import CONTACTS, opened, replacements_in
+from drake_leg.cli.model_files import opened, replacements_in
 from drake_leg.cli.run import check_shows, fields_by_name, shows_of
 from drake_leg.cli.terminal import (
     BAD_INPUT,
@@ -39,6 +39,7 @@ from drake_leg.units import require_positive
 if TYPE_CHECKING:
     from drake_leg.scene.scene import PlantMotion
     from drake_leg.simulation.recording import Recording
+    from drake_leg.simulink.dynamics.system import Contact
     from drake_leg.simulink.lacks import Lack
     from drake_leg.simulink.model import Model
     from drake_leg.simulink.running.running import ModelRun, Runnable
@@ -113,7 +114,7 @@ def runnable_file(
     from drake_leg.simulink.suggestions import with_scripts
 
     replacements = replacements_in(chosen.replace)
-    contact = chosen.contact or CONTACTS[0]
+    contact: Contact = chosen.contact or "smooth"
 
     def read(init: Sequence[Path] = ()) -> Model:
         return replaced(opened(path, chosen, init), replacements)
@@ -159,6 +160,9 @@ def _require_mechanism(chosen: argparse.Namespace, ready: Runnable) -> None:
         return
     given = {"--stills": chosen.stills, **{f"--{name}": True for name in shows_of(chosen)}}
     refuse_ignored(given, "shows a mechanism, and this model has none")
+    refuse_ignored(
+        {"--contact": chosen.contact is not None}, "is for mechanisms, and this model has none"
+    )
 
 
 def _carried_out(
@@ -199,8 +203,8 @@ def _results(
     ]
     if replaced:
         remarks.append(f"replaced: {'; '.join(replaced)}")
-    if chosen.contact == CONTACTS[1]:
-        remarks.append("contact forces follow Drake's law, not the blocks' smooth one")
+    if chosen.contact == "pulling":
+        remarks.append("dampers of contacts may pull while two bodies part")
     summary = {"run": chosen.name, **summary_of(model, ready, run, columns, remarks)}
     return columns, recording_of(run, columns), summary
 

@@ -104,6 +104,13 @@ MEANINGLESS = [
     ("diagram", f"{MODEL} --set D3=1 --out a.svg", "the model uses no variable 'D3'"),
     ("inspect", f"{MODEL} --set D3=1", "the model uses no variable 'D3'"),
     ("diagram", "leg-b --init a.m --out a.svg", "is for Simulink models and means nothing"),
+    *(
+        ("run", f"leg-b {option}", "is for Simulink models and means nothing here")
+        for option in ("--path .", "--init a.m", "--variant A=B", "--contact smooth",
+                       "--replace A=b.csv")
+    ),
+    ("run", f"{MODEL} --config a.yaml", "means nothing to a Simulink model"),
+    ("run", f"{MODEL} --amplitude 0.05", "means nothing to a Simulink model"),
     *(("run", words, said) for words, said in OF_RUNS_MEANINGLESS),
     ("run", "hexapod --then gait=wave", "as in 'gait=wave speed=0.03 at=5; sideways=0.1 at=20'"),
     ("run", "leg-b --accuracy 1e-6 --integrator explicit_euler", "means nothing to it"),
@@ -183,7 +190,8 @@ def named_options(command):
 
 
 # A run that is refused is a row of its sweep.
-ALWAYS["sweep"] = named_options("run") | ALWAYS["run"] - {
+OF_MODELS = {"--path", "--init", "--variant", "--contact", "--replace"}
+ALWAYS["sweep"] = named_options("run") - OF_MODELS | ALWAYS["run"] - {
     "--figures", "--replay", "--stills", "--video",
 } | {
     "--fields", "--over", "--pareto", "--plot", "--sample", "--sampler", "--scheduler",

@@ -66,9 +66,7 @@ def _block_of(model: Model, name: str) -> Block:
         names = dict.fromkeys(each for block in model.blocks for each in (block.name, block.path))
         raise InvalidValueError(
             f"there is no block {name!r} to replace",
-            advice=did_you_mean(
-                name, filter(None, names), "`drake-leg inspect --blocks` lists all of them"
-            ),
+            advice=did_you_mean(name, filter(None, names), "`drake-leg inspect` lists them"),
         )
     if len(named) > 1:
         paths = [repr(block.path) for block in named[:SHOWN]]

@@ -78,7 +78,9 @@ def _base(recorded: Recorded, node: Node | None, sink: str, label: str) -> str:
     if node is not None and node.block.kind == WORKSPACE:
         return label
     alone = node is not None and sum(port is not None for port in node.inputs) == 1
-    return sink if alone and not recorded.name else f"{sink}.{label}"
+    if label == sink or (alone and not recorded.name):
+        return sink
+    return f"{sink}.{label}"
 
 
 def _driver(network: SignalNetwork, node: Node | None, port: int) -> str:
