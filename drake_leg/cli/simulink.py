@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.model_files import add_model_options, asked_for, is_model, opened
-from drake_leg.cli.run import add_run_options, options_of
+from drake_leg.cli.run import add_run_options, options_of, run_option_names
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
 from drake_leg.progress import uncollected
@@ -59,28 +60,31 @@ def _inspect(chosen: argparse.Namespace) -> int:
 def configure_compare(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
-        "Find the counterpart of every block, wire and parameter of a Simulink model "
-        "in the diagram of a run: matched, missing, extra or different. The exit status is 0 if "
-        "everything in the model has a counterpart and the values agree, otherwise 1; what only "
-        "the diagram has does not count."
+        "Find the counterpart of every block, wire and parameter of a Simulink model in the "
+        "diagram of a run, or in another model: matched, missing, extra or different. The exit "
+        "status is 0 if everything in the model has a counterpart and the values agree, otherwise "
+        "1; what only the other side has does not count."
     )
     parser.epilog = (
         "The run's options make its diagram match a model with other numbers: "
         "--amplitude 0.05. Signals are compared by what they are, not by how they are muxed, "
-        "scaled and summed; a source's amplitude is taken after its gains."
+        "scaled and summed; a source's amplitude is taken after its gains. Of two models both "
+        "take --path, --init, --variant and --set."
     )
     parser.add_argument("model", type=Path, metavar="MODEL.slx", help="Simulink model")
     parser.add_argument(
         "name",
         metavar="NAME",
-        help=f"one of {', '.join(RUNS)}, or a TOML or .par file with a robot of your own",
+        help=f"one of {', '.join(RUNS)}, a TOML or .par file with a robot of your own, or another "
+        "Simulink model",
     )
     add_numbers(parser)
     parser.add_argument("--json", action="store_true", help="write the whole comparison as JSON")
     parser.add_argument(
         "--strict",
         action="store_true",
-        help="also count cross sections, colors and the converters' input filters",
+        help="also count cross sections, colors and the converters' input filters; of two models, "
+        "settings that are in no table of this program",
     )
     add_model_options(parser)
     add_run_options(parser)
@@ -89,16 +93,50 @@ def configure_compare(parser: argparse.ArgumentParser) -> None:
 
 @uncollected()
 def _compare(chosen: argparse.Namespace) -> int:
-    if is_model(chosen.name) and not is_model(chosen.model):
+    words: Words
+    if is_model(chosen.name) and is_model(chosen.model):
+        words = TwoModels(str(chosen.model), chosen.name)
+        found = _two_models(chosen)
+    elif is_model(chosen.name):
         raise InvalidValueError(
             "the model comes first", advice=f"drake-leg compare {chosen.name} {chosen.model}"
         )
+    else:
+        words = ModelAndRun(str(chosen.model), chosen.name)
+        found = _model_and_run(chosen)
+    from drake_leg.simulink.listing import plain, printable
+
+    if chosen.json:
+        lists = plain({"agrees": found.agrees, **found.as_json()})
+        print(json.dumps(lists, indent=2, allow_nan=False))
+    else:
+        print("\n".join(map(printable, _lines(found, words))))
+    return 0 if found.agrees else FAILED
+
+
+def _two_models(chosen: argparse.Namespace) -> Comparison:
+    """Compare two models, to which a run's options mean nothing."""
+    from drake_leg.simulink.compare.models import compare_models
+
+    refuse_ignored(
+        {option_of(name): name in chosen for name in run_option_names()}
+        | {"--config": chosen.config is not None},
+        "is for runs and means nothing to two models",
+    )
+    first, second = (opened(Path(path), chosen) for path in (chosen.model, chosen.name))
+    try:
+        return compare_models(first, second, Path(chosen.name).name, strict=chosen.strict)
+    except InvalidValueError as error:
+        raise InvalidValueError(f"{chosen.model} or {chosen.name}: {error}") from None
+
+
+def _model_and_run(chosen: argparse.Namespace) -> Comparison:
+    """Compare a model with a run's diagram, as the run's options make it."""
     letters = None if chosen.name in RUNS else chosen.numbers
     kind = run_kind(named_or_robot(chosen.name, letters))
     options = options_of(kind, chosen)
     _refuse_options_of_runs(kind, options, chosen)
     from drake_leg.simulink.compare.compare import LiveModel, compare
-    from drake_leg.simulink.listing import plain, printable
 
     model = opened(chosen.model, chosen)
     if not isinstance(options, IntegratedOptions):
@@ -117,15 +155,9 @@ def _compare(chosen: argparse.Namespace) -> int:
         scheme=options.integrator,
     )
     try:
-        found = compare(model, live, strict=chosen.strict)
+        return compare(model, live, strict=chosen.strict)
     except InvalidValueError as error:
         raise InvalidValueError(f"{chosen.model}: {error}") from None
-    if chosen.json:
-        lists = plain({"agrees": found.agrees, **found.as_json()})
-        print(json.dumps(lists, indent=2, allow_nan=False))
-    else:
-        print("\n".join(map(printable, _lines(found, chosen))))
-    return 0 if found.agrees else FAILED
 
 
 def _refuse_options_of_runs(kind: RunKind, options: RunOptions, chosen: argparse.Namespace) -> None:
@@ -137,14 +169,54 @@ def _refuse_options_of_runs(kind: RunKind, options: RunOptions, chosen: argparse
             remark(f"{name} of {chosen.config} {NO_EFFECT}")
 
 
-def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
-    yield f"{chosen.model} compared with {chosen.name}"
+@dataclass(frozen=True)
+class ModelAndRun:
+    """What the sides of a comparison with a run are called."""
+
+    model: str
+    name: str
+    sides: tuple[str, str] = ("simulink", "drake")  # keys of both values
+    other: str = "Drake"
+    whole: str = "the Drake diagram"
+    verdict: str = "the diagram differs from the model"
+
+
+@dataclass(frozen=True)
+class TwoModels:
+    """What the sides of a comparison of two models are called."""
+
+    model: str
+    name: str
+    sides: tuple[str, str] = ("first", "second")
+
+    @property
+    def other(self) -> str:
+        """Return the second model's file."""
+        return Path(self.name).name
+
+    @property
+    def whole(self) -> str:
+        """Return the second model."""
+        return self.other
+
+    @property
+    def verdict(self) -> str:
+        """Say that they differ."""
+        return f"{self.other} differs from {Path(self.model).name}"
+
+
+Words = ModelAndRun | TwoModels
+
+
+def _lines(found: Comparison, words: Words) -> Iterator[str]:
+    yield f"{words.model} compared with {words.name}"
+    different = partial(_different, words=words)
     for title, items, line in (
         ("matched", found.matched, _matched),
-        ("missing in the Drake diagram", found.missing, _missing),
-        ("different", found.different, partial(_different, name=chosen.name)),
-        ("different, but not counted without --strict", found.tolerated, _different),
-        ("extra in the Drake diagram", found.extra, _extra),
+        (f"missing in {words.whole}", found.missing, _missing),
+        ("different", found.different, different),
+        ("different, but not counted without --strict", found.tolerated, different),
+        (f"extra in {words.whole}", found.extra, _extra),
     ):
         if items:
             yield ""
@@ -155,10 +227,7 @@ def _lines(found: Comparison, chosen: argparse.Namespace) -> Iterator[str]:
         but = f", except for the {len(found.tolerated)} above" if found.tolerated else ""
         yield f"Every block and wire of the model has its counterpart, and the values agree{but}."
     else:
-        yield (
-            f"{len(found.missing)} missing, {len(found.different)} different: the diagram "
-            "differs from the model."
-        )
+        yield f"{len(found.missing)} missing, {len(found.different)} different: {words.verdict}."
 
 
 def _place(item: dict[str, Any]) -> str:
@@ -179,18 +248,20 @@ def _missing(item: dict[str, Any]) -> str:
     return f"{_place(item)}: {item['why']}"
 
 
-def _different(item: dict[str, Any], name: str = "") -> str:
+def _different(item: dict[str, Any], words: Words) -> str:
+    ours, theirs = words.sides
     if item["what"] == "scale":
-        return f"{_place(item)}: lengths are {_value(item['simulink'])} times those of {name}"
+        return f"{_place(item)}: lengths are {_value(item[ours])} times those of {words.name}"
     if "why" in item:
         return f"{_place(item)}: {item['why']}"
-    ours, theirs = (_quantity(item[side], item["unit"]) for side in ("simulink", "drake"))
-    return f"{_place(item)}: {item['parameter']} is {ours}, in Drake {theirs}"
+    both = (_quantity(item[side], item["unit"]) for side in (ours, theirs))
+    return f"{_place(item)}: {item['parameter']} is {f', in {words.other} '.join(both)}"
 
 
 def _extra(item: dict[str, Any]) -> str:
     kind = f" ({item['kind']})" if "kind" in item else ""
-    return f"{item['what']} {item.get('name', _place(item).removeprefix('wire '))}{kind}"
+    name = item.get("name", _place(item).removeprefix("wire "))
+    return f"{item['what']} {name}{kind}"
 
 
 def _quantity(value: object, unit: str) -> str:

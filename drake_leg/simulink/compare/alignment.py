@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from statistics import median
 
 import numpy as np
@@ -76,6 +77,11 @@ class Alignment:
 
     bodies: list[AlignedBody]
     exchanged: list[int]  # our joints whose base and follower are exchanged
+
+    @cached_property
+    def gauges(self) -> dict[int, Array]:
+        """Map each of our bodies to the pose of its frame M in that of its counterpart."""
+        return {body.ours: body.gauge for body in self.bodies}
 
 
 # --- one unit of length ----------------------------------------------------------------------

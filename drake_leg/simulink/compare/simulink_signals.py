@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -87,9 +88,20 @@ class SimulinkSignals:
         SID of a joint -> its number in the chain.
     sensors : mapping
         SID of a block that senses a frame -> what that frame is called; "" is the foot.
+    passing : bool
+        Whether a block without a law passes its only input on, as said above. If not, its output is
+        a signal of its own.
     """
 
-    def __init__(self, model: Model, joints: Mapping[str, int], sensors: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        model: Model,
+        joints: Mapping[str, int],
+        sensors: Mapping[str, str],
+        *,
+        passing: bool = True,
+    ) -> None:
+        self._passing = passing
         self.blocks = {block.sid: block for block in model.blocks}
         self._joints, self._sensors = joints, sensors
         self._source_of = {wire.target: wire.source for wire in model.wires}
@@ -176,6 +188,18 @@ class SimulinkSignals:
             return False
         routes = block.type == "BusSelector" or block.kind == "PS-Simulink Converter"
         return routes or (block.type not in SOURCES and law_of(block) is not None)
+
+    def dissolves(self, block: Block) -> bool:
+        """Tell whether a block is told by its signal alone: a carrier, or a source with a law."""
+        has_law = block.type in SOURCES and block.sid not in self._lawless
+        return has_law or self.is_carrier(block)
+
+    @cached_property
+    def makers(self) -> frozenset[str]:
+        """SIDs of the blocks that make a signal of their own."""
+        return frozenset(
+            atom.of for signal in self._known.values() for scalar in signal for atom in scalar.terms
+        )
 
     def output(self, port: str) -> Signal:
         """Signal at a block's output."""
@@ -269,8 +293,11 @@ class SimulinkSignals:
         if found is not None:
             return found
         self._lawless.add(block.sid)
-        alone = len(inputs) == 1 and place == 1
-        return (inputs[0] if alone else None) or _other(block.sid, block.name, place - 1)
+        alone = inputs[0] if len(inputs) == 1 and place == 1 else None
+        if alone and self._passing:
+            return alone
+        size = len(alone) if alone else 1
+        return _other(block.sid, block.name, place - 1, size=size)
 
     def _count(self, block: Block) -> int:
         """Count a block's inputs: those that are wired, and a Mux's open ones."""
@@ -428,8 +455,11 @@ def _foot(of: str, what: str, indices: range | tuple[int, ...]) -> Signal:
     return atoms(Atom(kind="foot", of=of, what=what, index=index) for index in indices)
 
 
-def _other(sid: str, name: str, index: int = 0) -> Signal:
-    return atoms([Atom(kind="other", of=sid, index=index, name=name)])
+def _other(sid: str, name: str, port: int = 0, size: int = 1) -> Signal:
+    """Make the signal of a block without a law, at a port counted from 0."""
+    what = "" if size == 1 else str(port)
+    places = [port] if size == 1 else range(size)
+    return atoms(Atom(kind="other", of=sid, what=what, index=i, name=name) for i in places)
 
 
 def _number_of(port: str) -> int:

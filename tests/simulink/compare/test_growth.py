@@ -6,6 +6,7 @@ import large_models
 import pytest
 
 from drake_leg.simulink.compare.compare import compare
+from drake_leg.simulink.compare.models import compare_models
 from drake_leg.simulink.reader import read_model
 
 
@@ -37,10 +38,15 @@ def lines_run(work):
     ],
     ids=lambda value: getattr(value, "__name__", None),
 )
-def test_twice_the_blocks_are_about_twice_the_work(tmp_path, live, draw, size):
+@pytest.mark.parametrize("with_itself", [False, True], ids=["a run", "itself"])
+def test_twice_the_blocks_are_about_twice_the_work(tmp_path, live, draw, size, with_itself):
     run, counts = live("leg-b"), []
     for factor in (1, 2, 4):
         model = read_model(draw(factor * size).write(tmp_path / "model.slx"))
-        counts.append(lines_run(lambda model=model: compare(model, run)))
+
+        def work(model=model):
+            return compare_models(model, model, "B") if with_itself else compare(model, run)
+
+        counts.append(lines_run(work))
     one, two, four = counts
     assert (four - two) / (two - one) < 2.4  # 2 where it is in proportion, 4 where it is quadratic
