@@ -43,7 +43,7 @@ COMMANDS = {
     "sdf": ("drake_leg.cli.robots", "write a robot as SDF, as TOML or as a .par file"),
     "check": ("drake_leg.cli.robots", "prove a robot, or grade a print against it"),
     "inspect": ("drake_leg.cli.simulink", "list what a Simulink model holds"),
-    "compare": ("drake_leg.cli.simulink", "compare a Simulink model with a run's diagram"),
+    "compare": ("drake_leg.cli.simulink", "compare a Simulink model with a run or another model"),
     "diagram": (
         "drake_leg.cli.diagram",
         "draw a run's block diagram, its mechanism, its robot's frames; or a Simulink model",

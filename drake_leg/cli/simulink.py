@@ -1,4 +1,4 @@
-"""``drake-leg inspect`` and ``compare``: a Simulink model listed, and compared with a run."""
+"""``drake-leg inspect`` and ``compare``: a Simulink model listed, and compared."""
 
 from __future__ import annotations
 

@@ -83,6 +83,50 @@ def test_the_filter_agrees_once_the_run_has_it(slx):
     assert main(["compare", model, "leg-b", "--filter-time-constant", "0.001"]) == 0
 
 
+@pytest.fixture
+def two(tmp_path):
+    def write(first, second):
+        builders = zip(("A.slx", "B.slx"), (first, second), strict=True)
+        return [str(builder.write(tmp_path / name)) for name, builder in builders]
+
+    return write
+
+
+def test_two_models_that_are_the_same(two, capsys):
+    assert main(["compare", *two(published_leg(), published_leg())]) == 0
+    said = capsys.readouterr().out
+    assert "Every block and wire of the model has its counterpart, and the values agree." in said
+    assert "Drake" not in said
+
+
+def test_two_models_differ_in_one_line_with_both_values(two, capsys):
+    models = two(published_leg(), published_leg(amplitude="50"))
+    assert main(["compare", *models]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == f"{models[0]} compared with {models[1]}"
+    assert "  Sine Wave (SID 17): Amplitude is 70, in B.slx 50" in lines
+    assert lines[-1] == "0 missing, 1 different: B.slx differs from A.slx."
+    assert main(["compare", *models, "--json"]) == 1
+    (one,) = json.loads(capsys.readouterr().out)["different"]
+    assert (one["first"], one["second"]) == (70.0, 50.0)
+
+
+def test_set_gives_values_to_both_models(two, capsys):
+    lengths = [published_leg().set("Brick Solid1", Density=rho) for rho in ("rho", "2*rho")]
+    models = two(*lengths)
+    assert main(["compare", *models]) == 2
+    assert "'rho'" in capsys.readouterr().err
+    assert main(["compare", *models, "--set", "rho=1000"]) == 1
+    assert "Density is 1000 kg/m^3, in B.slx 2000 kg/m^3" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("option", [["--amplitude", "0.1"], ["--force"], ["--config", "a.yaml"]])
+def test_options_of_runs_mean_nothing_to_two_models(two, capsys, option):
+    assert main(["compare", *two(published_leg(), published_leg()), *option]) == 2
+    said = f"{option[0]} is for runs and means nothing to two models"
+    assert said in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "arguments",
     [

@@ -7,8 +7,8 @@ alike in that, names and values decide, and then the order.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Hashable, Iterable, Mapping
-from functools import cached_property
+from collections.abc import Callable, Container, Hashable, Mapping, Sequence
+from functools import cached_property, partial
 
 from drake_leg.simulink.compare.signals import Atom, Signal
 from drake_leg.simulink.compare.simulink_signals import SimulinkSignals, unit_factor
@@ -45,6 +45,7 @@ class ActingBlocks:
         self._bodies, self._placed = bodies, placed
         self._nodes = model.nodes
         self._node_of = {port: place for place, node in enumerate(model.nodes) for port in node}
+        self._around: dict[str, list[tuple[Hashable, str]]] = {}
         self.ports: dict[str, list[str]] = {}  # SID -> its physical ports that are connected
         for port in self._node_of:
             self.ports.setdefault(port.partition("#")[0], []).append(port)
@@ -97,6 +98,24 @@ class ActingBlocks:
             return (self._placed[sid], place)
         return ("block", name(sid), place) if sid in self.acting else ()
 
+    def around(self, sid: str) -> list[tuple[Hashable, str]]:
+        """List the acting blocks that one is connected with, and how."""
+        if sid not in self._around:
+            found: dict[tuple[Hashable, str], None] = {}
+            for port, signal in self.inputs(sid).items():
+                for place, scalar in enumerate(signal):
+                    for atom in scalar.terms:
+                        if atom.of in self.acting:
+                            found[("in", port, place, atom.what, atom.index), atom.of] = None
+            for other, port in self.consumers.get(sid, ()):
+                found[("out", port), other] = None
+            for port, ends in self.ends(sid, lambda other: other).items():
+                for end in ends:
+                    if end[0] == "block":
+                        found[("end", port, end[2]), str(end[1])] = None
+            self._around[sid] = list(found)
+        return self._around[sid]
+
     @cached_property
     def consumers(self) -> dict[str, list[tuple[str, str]]]:
         """Map a block to the inputs, as block and port, that its outputs reach."""
@@ -109,31 +128,127 @@ class ActingBlocks:
         return found
 
 
-def match_blocks(
-    ours: ActingBlocks, theirs: ActingBlocks, name: Callable[[Block], Collection[Hashable]]
-) -> dict[str, str]:
+Names = Callable[[Block], Sequence[Hashable]]
+
+
+def match_blocks(ours: ActingBlocks, theirs: ActingBlocks, names: Names) -> dict[str, str]:
     """Match acting blocks: SID -> the other's SID.
 
-    ``name`` lists what tells a block from others that are connected alike, the best first.
+    ``names`` lists what tells a block from others that are connected alike, the best first.
     """
     words: dict[Hashable, int] = {}
     levels = list(zip(_labels(ours, words), _labels(theirs, words), strict=True))
-    found: dict[str, str] = {}
-    taken: set[str] = set()
+    matching = _Matching(ours, theirs)
     for mine, others in reversed(levels):
+        matching.at_level(mine, others, names)
+    return matching.found
+
+
+_Named = list[tuple[str, tuple[Hashable, ...]]]  # SIDs, each with what names its block
+
+
+def _named(names: Names, blocks: Sequence[Block]) -> _Named:
+    return [(block.sid, (*names(block), "in order")) for block in blocks]
+
+
+def _keyed(blocks: _Named, place: int) -> list[tuple[str, Hashable]]:
+    return [(sid, keys[place]) for sid, keys in blocks]
+
+
+class _Matching:
+    """Matches blocks of one label, and goes from each pair to the blocks that it is connected with.
+
+    So of several equal parts that do the same, whose labels are the same, each one is matched with
+    a single one.
+    """
+
+    def __init__(self, ours: ActingBlocks, theirs: ActingBlocks) -> None:
+        self._ours, self._theirs = ours, theirs
+        self.found: dict[str, str] = {}
+        self._taken: set[str] = set()
+        self._labels: tuple[Mapping[str, int], Mapping[str, int]] = ({}, {})
+
+    def at_level(self, mine: Mapping[str, int], others: Mapping[str, int], names: Names) -> None:
+        """Match what is left by its label: what is alone with it, then by its names and order."""
+        self._labels = mine, others
+        for pair in list(self.found.items()):
+            self._go_on(pair)
         groups: dict[int, tuple[list[Block], list[Block]]] = {}
-        for side, acting, labels, known in (
-            (0, ours.acting, mine, found.keys()),
-            (1, theirs.acting, others, taken),
+        for block in self._left(self._ours, self.found):
+            groups.setdefault(mine[block.sid], ([], []))[0].append(block)
+        for block in self._left(self._theirs, self._taken):
+            groups.setdefault(others[block.sid], ([], []))[1].append(block)
+        both = [group for group in groups.values() if all(group)]
+        for mine_alike, others_alike in both:
+            if len(mine_alike) == len(others_alike) == 1:
+                self._match(mine_alike[0].sid, others_alike[0].sid)
+        several = [group for group in both if len(group[0]) + len(group[1]) > 2]
+        self._by_names([tuple(map(partial(_named, names), group)) for group in several])
+
+    def _by_names(self, groups: Sequence[tuple[_Named, ...]]) -> None:
+        """Match what is alike by its names, the best first, and then in order."""
+        count = max((len(keys) for side, _ in groups for _, keys in side), default=0)
+        for place in range(count):
+            for ours, theirs in groups:
+                self._by_key(_keyed(ours, place), _keyed(theirs, place))
+
+    def _left(self, side: ActingBlocks, known: Container[str]) -> list[Block]:
+        return [block for sid, block in side.acting.items() if sid not in known]
+
+    def _by_key(
+        self, ours: Sequence[tuple[str, Hashable]], theirs: Sequence[tuple[str, Hashable]]
+    ) -> None:
+        """Match what is left of both sides by keys, in order."""
+        free: dict[Hashable, list[str]] = {}
+        for sid, key in reversed(theirs):
+            if sid not in self._taken:
+                free.setdefault(key, []).append(sid)
+        for sid, key in ours:
+            if sid in self.found:
+                continue
+            alike = free.get(key, [])
+            while alike and alike[-1] in self._taken:
+                alike.pop()
+            if alike:
+                self._match(sid, alike.pop())
+
+    def _match(self, sid: str, other: str) -> None:
+        """Match a pair, and all that follows from it."""
+        if sid in self.found or other in self._taken:
+            return
+        line = [(sid, other)]
+        self.found[sid] = other
+        self._taken.add(other)
+        while line:
+            line += self._next(line.pop())
+
+    def _go_on(self, pair: tuple[str, str]) -> None:
+        line = [pair]
+        while line:
+            line += self._next(line.pop())
+
+    def _next(self, pair: tuple[str, str]) -> list[tuple[str, str]]:
+        """Match what is connected with both blocks of a pair in one way, and with no others."""
+        found = []
+        around = [
+            side.around(sid) for side, sid in zip((self._ours, self._theirs), pair, strict=True)
+        ]
+        ends: list[dict[Hashable, list[str]]] = [{}, {}]
+        for side, (labels, known) in enumerate(
+            zip(self._labels, (self.found, self._taken), strict=True)
         ):
-            for sid, block in acting.items():
+            for how, sid in around[side]:
                 if sid not in known:
-                    groups.setdefault(labels[sid], ([], []))[side].append(block)
-        for one, other in groups.values():
-            for a, b in _paired(one, other, name):
-                found[a.sid] = b.sid
-                taken.add(b.sid)
-    return found
+                    ends[side].setdefault((how, labels[sid]), []).append(sid)
+        for how, mine in ends[0].items():
+            others = ends[1].get(how, [])
+            if len(mine) == len(others) == 1:
+                (a,), (b,) = mine, others
+                if a not in self.found and b not in self._taken:
+                    self.found[a] = b
+                    self._taken.add(b)
+                    found.append((a, b))
+        return found
 
 
 def _labels(side: ActingBlocks, words: dict[Hashable, int]) -> list[dict[str, int]]:
@@ -176,30 +291,3 @@ def _labels(side: ActingBlocks, words: dict[Hashable, int]) -> list[dict[str, in
 
 def _port(item: tuple[str, object]) -> str:
     return item[0]
-
-
-def _paired(
-    ours: list[Block], theirs: list[Block], name: Callable[[Block], Collection[Hashable]]
-) -> Iterable[tuple[Block, Block]]:
-    """Pair blocks that are alike: by what names them, the best first, then by their order."""
-    if not (ours and theirs):
-        return []
-    if len(ours) == len(theirs) == 1:
-        return [(ours[0], theirs[0])]
-    found: list[tuple[Block, Block]] = []
-    named = [[(block, tuple(name(block))) for block in side] for side in (ours, theirs)]
-    for place in range(len(named[0][0][1])):
-        free: dict[Hashable, list[Block]] = {}
-        for block, keys in reversed(named[1]):
-            free.setdefault(keys[place], []).append(block)
-        left = []
-        for block, keys in named[0]:
-            alike = free.get(keys[place])
-            if alike:
-                found.append((block, alike.pop()))
-            else:
-                left.append((block, keys))
-        taken = {id(other) for _, other in found}
-        named = [left, [each for each in named[1] if id(each[0]) not in taken]]
-    found += [(a, b) for (a, _), (b, _) in zip(*named, strict=False)]
-    return found

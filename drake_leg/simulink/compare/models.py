@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -131,10 +131,11 @@ def _read(first: Model, second: Model, other: str) -> _Pair:
             (read.graph, read.body_of),
         ),
     )
-    paths = {id(block): side.path(block) for side in sides for block in side.acting.acting.values()}
+    side_of = {id(block): side for side in sides for block in side.acting.acting.values()}
 
-    def names(block: Block) -> tuple[object, ...]:
-        values, path = str(typed_values(block)), paths[id(block)]
+    def names(block: Block) -> tuple[Hashable, ...]:
+        side = side_of[id(block)]
+        values, path = (str(typed_values(block)), side.scripts.get(block.sid)), side.path(block)
         return (path, values), path, path[0], values
 
     return _Pair(
@@ -266,7 +267,8 @@ def _compare_code(pair: _Pair, ours: Block, theirs: Block) -> Iterator[Verdict]:
     if codes[0] is None or codes[1] is None:
         return
     scripts = pair.ours.scripts.get(ours.sid, ""), pair.theirs.scripts.get(theirs.sid, "")
-    sizes = [len(signal) or 1 for _, signal in sorted(pair.ours.acting.inputs(ours.sid).items())]
+    signals = (pair.ours.signals.input(ours.sid, 1 + n) for n in range(codes[0].inputs))
+    sizes = [len(signal or ()) or 1 for signal in signals]
     why = other_code(scripts, (codes[0].program, codes[1].program), sizes)
     if why:
         verdict = different(ours.sid, ours.name, "code", why, "", what="block")

@@ -31,10 +31,10 @@ def lines_run(work):
 @pytest.mark.parametrize(
     ("draw", "size"),
     [
-        (large_models.mechanical_chain, 60),
-        (large_models.rigid_chain, 200),
-        (large_models.parallel_signals, 150),
-        (large_models.signals_in_a_row, 150),
+        (large_models.mechanical_chain, 40),
+        (large_models.rigid_chain, 40),
+        (large_models.parallel_signals, 60),
+        (large_models.signals_in_a_row, 60),
     ],
     ids=lambda value: getattr(value, "__name__", None),
 )
