@@ -241,11 +241,6 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         )
 
 
-def run_option_names() -> list[str]:
-    """List the names of all options that runs have."""
-    return list(_fields_by_name())
-
-
 def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
     """Combine the options: defaults, then the file's, then the command line's."""
     options, _ = _from_file(kind, chosen, {})

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.model_files import add_model_options, asked_for, is_model, opened
-from drake_leg.cli.run import add_run_options, options_of, run_option_names
+from drake_leg.cli.run import add_run_options, fields_by_name, options_of
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
 from drake_leg.progress import uncollected
@@ -119,7 +119,7 @@ def _two_models(chosen: argparse.Namespace) -> Comparison:
     from drake_leg.simulink.compare.models import compare_models
 
     refuse_ignored(
-        {option_of(name): name in chosen for name in run_option_names()}
+        {option_of(name): name in chosen for name in fields_by_name()}
         | {"--config": chosen.config is not None},
         "is for runs and means nothing to two models",
     )
