@@ -70,7 +70,7 @@ def _require_supported(
 ) -> None:
     """Refuse what keeps values where none can be kept, and names that mean nothing."""
     known = {*function.inputs, *function.outputs, *assigned(function.body), *own}
-    for statement, expressions in _walked(function.body):
+    for statement, expressions in walked(function.body):
         if isinstance(statement, syntax.Declare) and statement.keyword in refused:
             fault = MatlabError(f"'{statement.keyword}' is not supported", statement.line)
             raise located(fault, function.name, function.line)
@@ -91,7 +91,7 @@ def means_something(name: str) -> bool:
 _Located = tuple[int, Any]  # line, and a node of the tree
 
 
-def _walked(
+def walked(
     statements: tuple[syntax.Statement, ...],
 ) -> Iterator[tuple[syntax.Statement, list[_Located]]]:
     """All statements, each with the expressions that are its own."""
@@ -105,24 +105,24 @@ def _walked(
             case syntax.If(branches=branches, otherwise=otherwise):
                 for at, condition, body in branches:
                     yield statement, [(at, condition)]
-                    yield from _walked(body)
-                yield from _walked(otherwise)
+                    yield from walked(body)
+                yield from walked(otherwise)
             case syntax.Switch(on=on, cases=cases, otherwise=otherwise):
                 yield statement, [(line, on)]
                 for at, case, body in cases:
                     yield statement, [(at, case)]
-                    yield from _walked(body)
-                yield from _walked(otherwise)
+                    yield from walked(body)
+                yield from walked(otherwise)
             case syntax.For(over=over, body=body):
                 yield statement, [(line, over)]
-                yield from _walked(body)
+                yield from walked(body)
             case syntax.While(condition=condition, body=body):
                 yield statement, [(line, condition)]
-                yield from _walked(body)
+                yield from walked(body)
             case syntax.Try(body=body, handler=handler):
                 yield statement, []
-                yield from _walked(body)
-                yield from _walked(handler)
+                yield from walked(body)
+                yield from walked(handler)
             case _:
                 yield statement, []
 

@@ -459,7 +459,7 @@ class Interpreter:
         if name in CONSTANTS and not arguments:
             return [CONSTANTS[name]]
         if name in KNOWN:
-            return self._library(name, arguments, wanted)
+            return self.library(name, arguments, wanted)
         if name in QUIET:
             return []
         if name in NOT_RUN:
@@ -469,7 +469,8 @@ class Interpreter:
             raise LackError(f"'{name}' is not run: {NOT_RUN[name]}", names=(name,))
         raise self._unknown(name, frame)
 
-    def _library(self, name: str, arguments: Values, wanted: int) -> Values:
+    def library(self, name: str, arguments: Values, wanted: int) -> Values:
+        """Call a function of the library within the budget."""
         for given in arguments:
             if isinstance(given, (np.ndarray, str)):
                 self.budget.work(given.size if isinstance(given, np.ndarray) else len(given))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.data import Cell, SpentError, Struct, boxed
+from drake_leg.simulink.matlab.data import Allowance, Cell, SpentError, Struct, boxed
 from drake_leg.simulink.matlab.indexing import read, removed, write
 from drake_leg.simulink.matlab.numeric import MatlabError
 
@@ -16,6 +18,17 @@ if TYPE_CHECKING:
     from drake_leg.simulink.matlab.interpreter import Interpreter
 
 # ruff: noqa: ANN401 - any value of a script
+
+
+@dataclass(frozen=True)
+class Indexed:
+    """A step to elements, or to the contents of a cell."""
+
+    indices: Callable[[Any], Values]  # of the value that they index
+    braces: bool = False
+
+
+Step = str | Indexed  # to a field, or to elements
 
 
 def write_target(
@@ -36,13 +49,13 @@ def write_target(
         indices = interpreter.indices(target.indices, empty if old is None else old, frame)
         if remove:
             value = removed(old, indices, name)
-        elif name in frame.owned and _written_in_place(old, indices, value):
+        elif name in frame.owned and written_in_place(old, indices, value):
             return
         else:
             value = write(old, indices, value, interpreter.budget, name)
     elif isinstance(target, syntax.Place):
-        steps = _steps(target.to)
-        value = _put(interpreter, frame.values.get(name), steps, value, frame, remove=remove)
+        steps = [_step(interpreter, node, frame) for node in steps_of(target.to)]
+        value = put(frame.values.get(name), steps, value, interpreter.budget, remove=remove)
     own = isinstance(value, np.ndarray) and isinstance(target, syntax.Target) and target.indices
     if own and not value.flags.owndata:
         value = value.copy(order="F")
@@ -51,7 +64,7 @@ def write_target(
         frame.owned.add(name)
 
 
-def _written_in_place(old: Any, indices: Values, value: Any) -> bool:
+def written_in_place(old: Any, indices: Values, value: Any) -> bool:
     """Write one number into an array that is the variable's own, where there is a place for it."""
     if not (isinstance(old, np.ndarray) and old.ndim == 2 and type(value) is float):
         return False
@@ -69,64 +82,57 @@ def _written_in_place(old: Any, indices: Values, value: Any) -> bool:
     return True
 
 
-def _steps(node: syntax.Expression) -> list[syntax.Expression]:
+def steps_of(node: syntax.Expression) -> list[syntax.Field | syntax.Part]:
     """Fields and indices of a place, the outermost first."""
-    steps: list[syntax.Expression] = []
-    while not isinstance(node, syntax.Name):
-        if isinstance(node, (syntax.Field, syntax.Part)):
-            steps.append(node)
-            node = node.base
-        elif isinstance(node, syntax.Apply):
-            steps.append(syntax.Part(base=syntax.Name(name=node.name), arguments=node.arguments))
-            break
+    steps: list[syntax.Field | syntax.Part] = []
+    while isinstance(node, (syntax.Field, syntax.Part)):
+        steps.append(node)
+        node = node.base
+    if isinstance(node, syntax.Apply):
+        steps.append(syntax.Part(base=syntax.Name(name=node.name), arguments=node.arguments))
     return steps[::-1]
 
 
-def _put(
-    interpreter: Interpreter,
-    old: Any,
-    steps: list[syntax.Expression],
-    value: Any,
-    frame: Frame,
-    *,
-    remove: bool,
+def _step(interpreter: Interpreter, node: syntax.Field | syntax.Part, frame: Frame) -> Step:
+    if isinstance(node, syntax.Field):
+        return interpreter.field_name(node, frame)
+    arguments = node.arguments
+    return Indexed(lambda base: interpreter.indices(arguments, base, frame), node.braces)
+
+
+def put(
+    old: Any, steps: Sequence[Step], value: Any, budget: Allowance, *, remove: bool = False
 ) -> Any:
     """Return a value in which a part is replaced; the old one is left as it was."""
     if not steps:
         return value
     step, rest = steps[0], steps[1:]
     nothing = old is None or (isinstance(old, np.ndarray) and not old.size)
-    if isinstance(step, syntax.Field):
-        name = interpreter.field_name(step, frame)
+    if isinstance(step, str):
         if nothing:
             old = Struct()
         if not isinstance(old, Struct):
-            raise MatlabError(f"the field '{name}' is set in what is no structure")
+            raise MatlabError(f"the field '{step}' is set in what is no structure")
         made = Struct(old)
-        made[name] = _put(interpreter, old.get(name), rest, value, frame, remove=remove)
+        made[step] = put(old.get(step), rest, value, budget, remove=remove)
         return made
-    if not isinstance(step, syntax.Part):
-        raise MatlabError("the left side of an assignment must be a variable")
-    base = np.zeros((0, 0)) if old is None else old
-    indices = interpreter.indices(step.arguments, base, frame)
+    indices = step.indices(np.zeros((0, 0)) if old is None else old)
     if step.braces:
-        return _put_inside(interpreter, old, indices, rest, value, frame, remove=remove)
+        return _put_inside(old, indices, rest, value, budget, remove=remove)
     if not rest:
-        return removed(old, indices) if remove else write(old, indices, value, interpreter.budget)
-    part = None if nothing else _part_or_none(interpreter, old, indices)
-    if isinstance(part, Cell) and part.items.size == 1 and not isinstance(rest[0], syntax.Part):
+        return removed(old, indices) if remove else write(old, indices, value, budget)
+    part = None if nothing else _part_or_none(old, indices, budget)
+    if isinstance(part, Cell) and part.items.size == 1 and isinstance(rest[0], str):
         part = part.items.flat[0]
-    new = _put(interpreter, part, rest, value, frame, remove=remove)
-    return write(old, indices, new, interpreter.budget)
+    return write(old, indices, put(part, rest, value, budget, remove=remove), budget)
 
 
 def _put_inside(
-    interpreter: Interpreter,
     old: Any,
     indices: Values,
-    rest: list[syntax.Expression],
+    rest: Sequence[Step],
     value: Any,
-    frame: Frame,
+    budget: Allowance,
     *,
     remove: bool,
 ) -> Any:
@@ -135,15 +141,15 @@ def _put_inside(
     cell = Cell(np.empty((0, 0), dtype=object)) if nothing else old
     if not isinstance(cell, Cell):
         raise MatlabError("braces index what is no cell")
-    inner = _part_or_none(interpreter, cell, indices) if rest else None
+    inner = _part_or_none(cell, indices, budget) if rest else None
     part = inner.items.flat[0] if isinstance(inner, Cell) and inner.items.size else None
-    new = _put(interpreter, part, rest, value, frame, remove=remove and bool(rest))
-    return write(cell, indices, Cell(boxed([[new]])), interpreter.budget)
+    new = put(part, rest, value, budget, remove=remove and bool(rest))
+    return write(cell, indices, Cell(boxed([[new]])), budget)
 
 
-def _part_or_none(interpreter: Interpreter, value: Any, indices: Values) -> Any:
+def _part_or_none(value: Any, indices: Values, budget: Allowance) -> Any:
     try:
-        return read(value, indices, interpreter.budget)
+        return read(value, indices, budget)
     except SpentError:
         raise
     except MatlabError:

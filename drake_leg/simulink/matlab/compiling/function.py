@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.checking import checked_functions, located
 from drake_leg.simulink.matlab.compiling.beside import Beside
+from drake_leg.simulink.matlab.compiling.machine import Machine
 from drake_leg.simulink.matlab.compiling.values import inward, outward
+from drake_leg.simulink.matlab.compiling.variants import Variants
 from drake_leg.simulink.matlab.data import LackError
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.matlab.frames import Alone, File, Memory
-from drake_leg.simulink.matlab.interpreter import Interpreter
 from drake_leg.simulink.matlab.numeric import MatlabError, quiet
 from drake_leg.simulink.matlab.program import small_budget
 
@@ -38,11 +41,18 @@ class CompiledFunction:
         host: Alone,
         name: str,
     ) -> None:
-        self._main, self._parameters, self._host = functions[0], parameters, host
+        self._main, self._parameters = functions[0], parameters
+        self._machine = Machine(host, small_budget())
         self._file = File(name=self._main.name, functions={one.name: one for one in functions})
         self.name = name or self._main.name
         self.inputs = tuple(one for one in self._main.inputs if one not in parameters)
         self.outputs = self._main.outputs
+        self._variants = Variants(self._machine, self._main, self._file, parameters)
+
+    @property
+    def source(self) -> str:
+        """Python source for the kinds of arguments of the calls so far; "" before the first."""
+        return self._variants.source
 
     def start(self) -> Memory:
         """Return the persistent variables before the first call.
@@ -80,24 +90,37 @@ class CompiledFunction:
                 f"MATLAB function {self.name} has {len(self.inputs)} inputs ({names}), "
                 f"but is given {len(arguments)}"
             )
+        variant = self._variants.find(persistent, arguments)
+        if variant is not None and variant.entry is not None:
+            self._machine.begin(persistent)
+            try:
+                if variant.arrays:
+                    with np.errstate(all="ignore"):
+                        found = variant.entry(*arguments)
+                else:
+                    found = variant.entry(*arguments)
+            except Exception:  # whatever it is, the interpreter computes it, or says what is wrong
+                self._variants.depart(variant, persistent, arguments)
+            else:
+                persistent.update(self._machine.memory)
+                return found
+        return self._interpreted(persistent, arguments)
+
+    def _interpreted(self, persistent: Memory, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        given = iter(arguments)
+        self._machine.begin(persistent)
         try:
-            given = dict(zip(self.inputs, arguments, strict=True))
             values = [
-                self._parameters[name] if name in self._parameters else inward(name, given[name])
+                self._parameters[name] if name in self._parameters else inward(name, next(given))
                 for name in self._main.inputs
             ]
             with quiet():
-                memory = dict(persistent)
-                results = self._interpreted(memory, values)
+                results = self._machine.main(self._main, self._file, values, len(self.outputs))
             found = tuple(map(outward, self.outputs, results))
         except MatlabError as fault:
             raise located(fault, self._main.name, self._main.line) from None
-        persistent.update(memory)
+        persistent.update(self._machine.memory)
         return found
-
-    def _interpreted(self, memory: Memory, values: list[Any]) -> list[Any]:
-        interpreter = Interpreter(self._host, small_budget(), memory)
-        return interpreter.main(self._main, self._file, values, len(self.outputs))
 
 
 def compiled(
