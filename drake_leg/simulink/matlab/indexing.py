@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -308,3 +309,16 @@ def last(value: Any, place: int, count: int) -> float:
     """What ``end`` means in an index."""
     shape = extent(value)
     return float(math.prod(shape)) if count == 1 else float(_folded(shape, count)[place])
+
+
+def columns(value: Any, budget: Allowance) -> Iterator[Any]:
+    """Columns of a value, one after the other, as a loop runs over them; each is a step."""
+    if isinstance(value, np.ndarray) and value.shape[:1] == (1,) and value.ndim == 2:
+        for one in value[0].tolist():
+            budget.step()
+            yield one
+        return
+    shape = extent(value)
+    for k in range(math.prod(shape[1:]) if shape[0] else 0):
+        budget.step()
+        yield read(value, [ALL, float(k + 1)], budget)

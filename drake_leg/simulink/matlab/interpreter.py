@@ -19,11 +19,10 @@ from drake_leg.simulink.matlab.data import (
     Structs,
     Text,
     boxed,
-    extent,
     items_of,
 )
 from drake_leg.simulink.matlab.frames import File, Frame, Host, Kept, Memory, Values
-from drake_leg.simulink.matlab.indexing import ALL, last, read
+from drake_leg.simulink.matlab.indexing import ALL, columns, last, read
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
 from drake_leg.simulink.matlab.names import assigned, called, first_of, path_of
 from drake_leg.simulink.matlab.numeric import MatlabError
@@ -108,7 +107,6 @@ class Interpreter:
         self, rounds: Iterator[None], body: tuple[syntax.Statement, ...], frame: Frame
     ) -> str | None:
         for _ in rounds:
-            self.budget.step()
             jump = self.block(body, frame)
             if jump == "return":
                 return jump
@@ -117,21 +115,14 @@ class Interpreter:
         return None
 
     def _columns(self, name: str, over: syntax.Expression, frame: Frame) -> Iterator[None]:
-        value = self.value(over, frame)
-        if isinstance(value, np.ndarray) and value.shape[:1] == (1,) and value.ndim == 2:
-            for one in value[0].tolist():
-                self.store(name, one, frame)
-                yield
-            return
-        shape = extent(value)
-        width = int(np.prod(shape[1:])) if shape[0] else 0
-        for k in range(width):
-            self.store(name, read(value, [ALL, float(k + 1)], self.budget), frame)
+        for one in columns(self.value(over, frame), self.budget):
+            self.store(name, one, frame)
             yield
 
     def _rounds(self, condition: syntax.Expression, frame: Frame) -> Iterator[None]:
         line = frame.line
         while True:
+            self.budget.step()
             frame.line = line
             if not self.holds(condition, frame):
                 return

@@ -23,6 +23,7 @@ from drake_leg.simulink.matlab.compiling.kinds import (
     ANYTHING,
     REALS,
     TRUTH,
+    Kind,
     Numbers,
     is_scalar,
     is_small,
@@ -30,9 +31,10 @@ from drake_leg.simulink.matlab.compiling.kinds import (
 from drake_leg.simulink.matlab.compiling.source import (
     AND,
     ATOM,
+    BOTH,
     COMPARISON,
+    EITHER,
     NOT,
-    OR,
     PRODUCT,
     SUM,
     Piece,
@@ -46,7 +48,7 @@ from drake_leg.simulink.matlab.numeric import MatlabError, quiet
 
 MOST_PRODUCTS = 64  # of two small matrices, that are written out
 COMPARISONS = {"==": "==", "~=": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
-_LOGICAL = {"&": ("and", AND), "|": ("or", OR)}
+_LOGICAL = {"&": BOTH, "|": EITHER}
 _SUMS = {"+": SUM, "-": SUM, ".*": PRODUCT}
 
 
@@ -77,8 +79,11 @@ def combined(t: Translation, symbol: str, left: Code, right: Code) -> Code:
     return _in_general(t, symbol, left, right)
 
 
-def _in_general(t: Translation, symbol: str, left: Code, right: Code, kind: Any = ANYTHING) -> Code:
+def _in_general(
+    t: Translation, symbol: str, left: Code, right: Code, kind: Kind = ANYTHING
+) -> Code:
     a, b = t.whole(left), t.whole(right)
+    t.module.arrays = True
     piece = t.temporary(called("combined", repr(symbol), a, b, "budget"))
     return Code(kind, (piece,), fresh=True)
 
@@ -151,16 +156,15 @@ def _each(t: Translation, symbol: str, left: Code, right: Code) -> str | None:
     if symbol in COMPARISONS:
         return joined(x, COMPARISONS[symbol], y, COMPARISON)
     if symbol in _LOGICAL:
-        word, level = _LOGICAL[symbol]
-        return joined(_nonzero(left), word, _nonzero(right), level)
+        return joined(_nonzero(left), symbol, _nonzero(right), _LOGICAL[symbol])
     kinds = [code.kind.kind for code in (left, right) if isinstance(code.kind, Numbers)]
     if "float" not in kinds:
         x = floats(left)[0]
     if symbol in _SUMS:
         return joined(x, symbol[-1], y, _SUMS[symbol])
     if symbol == "./":
-        return joined(x, "/", y, PRODUCT) if t.daring or _is_number(right) else called(
-            "divided", x, y
+        return (
+            joined(x, "/", y, PRODUCT) if t.daring or _is_number(right) else called("divided", x, y)
         )
     return _power(t, floats(left)[0], right) if symbol == ".^" else None
 
@@ -251,9 +255,7 @@ def _of_arrays(t: Translation, symbol: str, left: Code, right: Code) -> Code | N
     return Code(kind, (t.temporary(piece),), fresh=True)
 
 
-def _shape_of(
-    product: bool, a: tuple[int, ...], b: tuple[int, ...]
-) -> tuple[int, ...] | None:
+def _shape_of(product: bool, a: tuple[int, ...], b: tuple[int, ...]) -> tuple[int, ...] | None:
     if product:
         return (a[0], b[1]) if len(a) == len(b) == 2 and a[1] == b[0] else None
     try:

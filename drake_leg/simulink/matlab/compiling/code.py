@@ -21,7 +21,7 @@ from drake_leg.simulink.matlab.compiling.kinds import (
     places,
 )
 from drake_leg.simulink.matlab.compiling.source import Piece, called, literal
-from drake_leg.simulink.matlab.data import Struct, Structs, Text
+from drake_leg.simulink.matlab.data import Struct
 
 # ruff: noqa: ANN401 - any value of a script
 
@@ -50,8 +50,8 @@ def constant(value: Any) -> Code | None:
     if isinstance(value, np.ndarray) and value.size <= SMALL and value.dtype.kind in "fb":
         numbers = tuple(value.ravel(order="F").tolist())
         kind = "bool" if value.dtype == np.bool_ else "float"
-        known = None if any(one != one for one in numbers) else numbers
-        return Code(Numbers(kind, tuple(value.shape), known), tuple(map(literal, numbers)))
+        kept = None if any(one != one for one in numbers) else numbers
+        return Code(Numbers(kind, tuple(value.shape), kept), tuple(map(literal, numbers)))
     if type(value) is str:
         return Code(Word(value))
     if isinstance(value, Struct):
@@ -165,11 +165,4 @@ def moved(found: Any, parts: tuple[str, ...], kind: str, *, fresh: bool = True) 
     nothing = "False" if kind == "bool" else "0.0"
     taken = [int(k) for k in array.ravel(order="F")]
     shape = tuple(int(n) for n in array.shape)
-    return Code(
-        Numbers(kind, shape), tuple(parts[k - 1] if k else nothing for k in taken), fresh
-    )
-
-
-def is_outside(value: Any) -> bool:
-    """Whether a constant is written outside of the source."""
-    return isinstance(value, Structs | Text) or constant(value) is None
+    return Code(Numbers(kind, shape), tuple(parts[k - 1] if k else nothing for k in taken), fresh)

@@ -40,7 +40,7 @@ from drake_leg.simulink.matlab.data import Allowance, Function, Text
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
 from drake_leg.simulink.matlab.names import called as name_of
 from drake_leg.simulink.matlab.names import first_of, names_in
-from drake_leg.simulink.matlab.numeric import ELEMENTS, MatlabError, quiet
+from drake_leg.simulink.matlab.numeric import ELEMENTS, MatlabError
 from drake_leg.simulink.matlab.specials import SPECIAL
 
 _APPLYING = frozenset(("feval", "arrayfun", "cellfun", "structfun"))
@@ -89,10 +89,10 @@ def value(t: Translation, node: syntax.Expression) -> Code:
         case syntax.Anonymous():
             return _anonymous(t, node)
         case syntax.Name() | syntax.Apply() | syntax.Part() | syntax.Field():
-            found = several(t, node, 1)
-            if not found:
+            given = several(t, node, 1)
+            if not given:
                 raise UncompilableError("a call gives no value")
-            return found[0]
+            return given[0]
     raise UncompilableError("an index outside of one")
 
 
@@ -159,9 +159,7 @@ def _field(t: Translation, owner: Code, name: str) -> Code:
     return Code(ANYTHING, (called("field", t.whole(owner), repr(name)),))
 
 
-def indices_of(
-    t: Translation, nodes: tuple[syntax.Expression, ...], base: Code
-) -> list[Index]:
+def indices_of(t: Translation, nodes: tuple[syntax.Expression, ...], base: Code) -> list[Index]:
     """Indices of a value, which ``end`` in them means."""
     found: list[Index] = []
     for k, node in enumerate(nodes):
@@ -219,7 +217,7 @@ def _logic(t: Translation, symbol: str, operands: tuple[syntax.Expression, ...])
     both = symbol == "&&"
     word, level = ("and", AND) if both else ("or", OR)
     total = truth(t, value(t, operands[0]))
-    for k, operand in enumerate(operands[1:], start=2):
+    for operand in operands[1:]:
         if total == str(not both):
             return total
         with t.into(Lines()) as lines:
@@ -236,8 +234,6 @@ def _logic(t: Translation, symbol: str, operands: tuple[syntax.Expression, ...])
             choice = If(name if both else f"not {name}", lines)
             t.emit(choice)
             total = name
-        t.count()
-        assert k
     return total
 
 
@@ -283,9 +279,9 @@ def _matrix_of_small(t: Translation, rows: list[list[Code]]) -> Code | None:
         return None
     kind = "bool" if kinds == {"bool"} else "float"
     parts: list[str] = []
-    numbered = []
+    numbered: list[list[Any]] = []
     for row in rows:
-        numbered.append([positions(code, len(parts) + 1) for code in row[:0]])
+        numbered.append([])
         for code in row:
             numbered[-1].append(positions(code, len(parts) + 1))
             parts += floats(code) if kind == "float" else code.parts
@@ -341,6 +337,3 @@ def _special(t: Translation, name: str, given: list[Code], wanted: int) -> list[
         return []
     listed = t.temporary(piece)
     return [Code(ANYTHING, (f"{listed}[{k}]",)) for k in range(wanted)]
-
-
-_ = (quiet, Any, Allowance)

@@ -113,11 +113,12 @@ def met(a: Kind, b: Kind) -> Kind:
             kind = a.kind if a.kind == b.kind else "mixed"
             return Numbers(kind, a.shape, whole=a.whole and b.whole)
         return REALS if a.kind == b.kind == "float" else ANYTHING
-    if isinstance(a, Record) and isinstance(b, Record):
-        if [name for name, _ in a.fields] == [name for name, _ in b.fields]:
-            pairs = zip(a.fields, b.fields, strict=True)
-            return Record(tuple((name, met(one, other)) for (name, one), (_, other) in pairs))
-    return ANYTHING
+    if not (isinstance(a, Record) and isinstance(b, Record)):
+        return ANYTHING
+    if [name for name, _ in a.fields] != [name for name, _ in b.fields]:
+        return ANYTHING
+    pairs = zip(a.fields, b.fields, strict=True)
+    return Record(tuple((name, met(one, other)) for (name, one), (_, other) in pairs))
 
 
 def kind_of_value(value: Any) -> Kind:  # noqa: ANN401 - any value of a script

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -25,10 +24,8 @@ from drake_leg.simulink.matlab.compiling.code import (
 from drake_leg.simulink.matlab.compiling.kinds import (
     ANYTHING,
     REALS,
-    Kind,
     Numbers,
     Word,
-    is_scalar,
     is_small,
     kind_of_value,
     sample,
@@ -46,30 +43,19 @@ from drake_leg.simulink.matlab.data import Allowance
 from drake_leg.simulink.matlab.library import KNOWN
 from drake_leg.simulink.matlab.numeric import quiet
 
-_SHAPES = frozenset(
-    "size numel length isempty ndims rows height columns width isscalar isvector ismatrix issquare "
-    "isrow iscolumn isfield iscell isstruct ischar isstring isnumeric isfloat islogical isreal isa "
-    "class iscellstr".split()
-)
-_MOVES = frozenset(
-    "reshape repmat fliplr flipud flip circshift horzcat vertcat cat squeeze permute".split()
-)
-_MOVES_TO_FLOATS = frozenset("diag tril triu".split())
-_OF_VALUES = frozenset(  # their results have sizes that depend on the numbers
-    "find unique zeros ones eye cell repmat linspace logspace roots union intersect setdiff colon "
-    "null orth nan NaN inf Inf true false blanks nchoosek factorial reshape num2cell".split()
-)
-_DRAWN = frozenset("rand randn randi randperm".split())
-_SAME = frozenset("real double single full conj".split())
-_PYTHON = {  # functions of one number: name in compiled code
-    **{name: name for name in "sin cos tan atan sinh cosh tanh asinh exp".split()},
-    **{name: name for name in "log log2 log10 log1p expm1 sqrt asin acos acosh atanh".split()},
-    "floor": "floored",
-    "ceil": "ceiled",
-    "fix": "fixed",
-    "sign": "sign",
-    "round": "rounded",
-}
+_OF_SHAPES = """size numel length isempty ndims rows height columns width isscalar isvector ismatrix
+issquare isrow iscolumn isfield iscell isstruct ischar isstring isnumeric isfloat islogical isreal
+isa class iscellstr"""
+_OF_KINDS = """islogical isnumeric isfloat isa class"""
+_MOVING = "reshape repmat fliplr flipud flip circshift horzcat vertcat cat squeeze permute"
+_MOVING_FLOATS = "diag tril triu"
+_OF_VALUES = """find unique zeros ones eye cell repmat linspace logspace roots union intersect
+setdiff colon null orth nan NaN inf Inf true false blanks nchoosek factorial reshape num2cell"""
+_DRAWING = "rand randn randi randperm"
+_SAME = "real double single full conj"
+_OF_PYTHON = """sin cos tan atan sinh cosh tanh asinh exp log log2 log10 log1p expm1 sqrt asin acos
+acosh atanh"""
+_SAFE = {"floor": "floored", "ceil": "ceiled", "fix": "fixed", "sign": "sign", "round": "rounded"}
 _OF_TWO = {"atan2": "atan2", "hypot": "hypot", "mod": "mod", "rem": "rem"}
 _OPERATORS = {
     "power": ".^",
@@ -90,12 +76,11 @@ _OPERATORS = {
     "mldivide": "\\",
     "mpower": "^",
 }
-_SAFE = frozenset(("floor", "ceil", "fix", "sign", "round"))
 
 
 def library(t: Translation, name: str, given: list[Code], wanted: int) -> list[Code]:
     """Call a function of the library."""
-    if name in _DRAWN:
+    if name in _DRAWING.split():
         return _unknown(t, name, given, wanted)
     if wanted <= 1:
         found = _of_constants(name, given) or _simple(t, name, given)
@@ -113,30 +98,32 @@ def _of_constants(name: str, given: list[Code]) -> Code | None:
 
 def _simple(t: Translation, name: str, given: list[Code]) -> Code | None:
     """Write a function out, where that is simple."""
-    if name in _SHAPES:
-        return _of_shapes(name, given)
+    if name in _OF_SHAPES.split():
+        return _of_shapes(name, [t.atoms(code) for code in given])
     if name in _OPERATORS and len(given) == 2:
         return combined(t, _OPERATORS[name], *given)
     if not given or not is_small(given[0].kind):
         return None
-    if name in _MOVES or name in _MOVES_TO_FLOATS:
-        return _moving(name, given)
+    if name in (*_MOVING.split(), *_MOVING_FLOATS.split()):
+        return _moving(name, [t.atoms(code) for code in given])
     if not all(is_small(code.kind) for code in given):
         return None
     if len(given) == 1:
         return _of_each(t, name, given[0]) or _reduced(t, name, given[0])
     if len(given) == 2 and name in _OF_TWO and t.daring:
-        return by_elements(
-            t, *given, lambda x, y: called(_OF_TWO[name], floats(x)[0], floats(y)[0]), "float"
-        )
+        return _pairs(t, _OF_TWO[name], *given)
     if len(given) == 2 and name in ("max", "min") and all(code.parts for code in given):
-        rule = "larger" if name == "max" else "smaller"
-        return by_elements(
-            t, *given, lambda x, y: called(rule, floats(x)[0], floats(y)[0]), "float"
-        )
+        return _pairs(t, "larger" if name == "max" else "smaller", *given)
     if len(given) == 2 and name in ("dot", "cross"):
         return _of_vectors(t, name, *given)
     return None
+
+
+def _pairs(t: Translation, rule: str, left: Code, right: Code) -> Code | None:
+    """Write a function of two numbers for each pair of elements."""
+    return by_elements(
+        t, left, right, lambda x, y: called(rule, floats(x)[0], floats(y)[0]), "float"
+    )
 
 
 def _of_shapes(name: str, given: list[Code]) -> Code | None:
@@ -144,9 +131,9 @@ def _of_shapes(name: str, given: list[Code]) -> Code | None:
     samples = [sample(code.kind) for code in given]
     if any(value is None for value in samples) or not is_constant(*given[1:]):
         return None
-    if any(isinstance(code.kind, Numbers) and code.kind.kind == "mixed" for code in given[:1]):
-        if name in ("islogical", "isnumeric", "isfloat", "isa", "class"):
-            return None
+    mixed = any(isinstance(code.kind, Numbers) and code.kind.kind == "mixed" for code in given[:1])
+    if mixed and name in _OF_KINDS.split():
+        return None
     return folded(lambda budget: KNOWN[name](budget, 1, *samples))
 
 
@@ -158,14 +145,16 @@ def _moving(name: str, given: list[Code]) -> Code | None:
     if (joins and len(small) < len(given)) or not all(is_small(code.kind) for code in blocks):
         return None
     kinds = {code.kind.kind for code in blocks if isinstance(code.kind, Numbers)}
-    if len(kinds) != 1 or "mixed" in kinds or not is_constant(*(c for c in given if c not in blocks)):
+    if len(kinds) != 1 or "mixed" in kinds:
+        return None
+    if not is_constant(*(code for code in given if code not in blocks)):
         return None
     parts: list[str] = []
     values = []
     for code in given:
         if any(code is block for block in blocks):
             values.append(positions(code, len(parts) + 1))
-            parts += floats(code) if name in _MOVES_TO_FLOATS else code.parts
+            parts += floats(code) if name in _MOVING_FLOATS.split() else code.parts
         else:
             values.append(value_of(code))
     try:
@@ -174,7 +163,7 @@ def _moving(name: str, given: list[Code]) -> Code | None:
         return None
     if np.size(found) > 16:
         return None
-    return moved(found, tuple(parts), "float" if name in _MOVES_TO_FLOATS else kinds.pop())
+    return moved(found, tuple(parts), "float" if name in _MOVING_FLOATS.split() else kinds.pop())
 
 
 # --- functions of each element ----------------------------------------------------------------
@@ -200,10 +189,12 @@ def _of_each(t: Translation, name: str, code: Code) -> Code | None:
 
 def _rule(t: Translation, name: str) -> tuple[Callable[[str], str], str] | None:
     """Return how a function of one number is written, and the kind of what it gives."""
-    if name in _SAME:
+    if name in _SAME.split():
         return (lambda part: part), "float"
-    if name in _PYTHON and (t.daring or name in _SAFE):
-        return (lambda part: called(_PYTHON[name], part)), "float"
+    if name in _SAFE:
+        return (lambda part: called(_SAFE[name], part)), "float"
+    if name in _OF_PYTHON.split() and t.daring:
+        return (lambda part: called(name, part)), "float"
     rules: dict[str, tuple[Callable[[str], str], str]] = {
         "abs": (lambda part: called("abs", part), "float"),
         "deg2rad": (lambda part: joined(literal(math.pi / 180.0), "*", part, PRODUCT), "float"),
@@ -219,7 +210,7 @@ def _rule(t: Translation, name: str) -> tuple[Callable[[str], str], str] | None:
 
 
 def _lines(code: Code) -> tuple[list[list[str]], tuple[int, int]] | None:
-    """Split a matrix along its first dimension that is not 1 long: numbers, and the result's size."""
+    """Lines of a matrix along its first dimension that is not 1 long, and the result's size."""
     assert isinstance(code.kind, Numbers)
     shape = code.kind.shape
     if shape is None or len(shape) != 2 or not code.parts:
@@ -296,7 +287,7 @@ def _expected(t: Translation, name: str, given: list[Code], wanted: int) -> list
     numbers = all(isinstance(code.kind, Numbers | Word) for code in given)
     if not numbers or any(value is None for value in samples) or not t.daring:
         return None
-    if name in _OF_VALUES and not is_constant(*given):
+    if name in _OF_VALUES.split() and not is_constant(*given):
         return None
     try:
         with quiet():
@@ -304,14 +295,15 @@ def _expected(t: Translation, name: str, given: list[Code], wanted: int) -> list
     except Exception:
         return None
     values = list(found) if isinstance(found, tuple) else [found]
-    kinds: list[Kind] = [kind_of_value(value) for value in values[: max(1, wanted)]]
-    if len(kinds) < wanted or not all(isinstance(kind, Numbers) for kind in kinds):
+    found_kinds = [kind_of_value(value) for value in values[: max(1, wanted)]]
+    kinds = [kind for kind in found_kinds if isinstance(kind, Numbers)]
+    if len(kinds) < max(1, wanted):
         return None
     t.module.arrays = True
     if wanted <= 1 and len(values) == 1:
-        return [checked(t, _call(t, name, given), kinds[0])]  # type: ignore[arg-type]
+        return [checked(t, _call(t, name, given), kinds[0])]
     listed = t.temporary(_several(t, name, given, wanted))
-    return [checked(t, f"{listed}[{k}]", kind) for k, kind in enumerate(kinds)]  # type: ignore[arg-type]
+    return [checked(t, f"{listed}[{k}]", kind) for k, kind in enumerate(kinds)]
 
 
 def _call(t: Translation, name: str, given: list[Code]) -> str:
@@ -332,11 +324,3 @@ def _unknown(t: Translation, name: str, given: list[Code], wanted: int) -> list[
     )
     kind = REALS if real else ANYTHING
     return [Code(kind, (f"{listed}[{k}]",), fresh=real) for k in range(max(1, wanted))]
-
-
-def is_one_number(code: Code) -> bool:
-    """Whether a value is one number."""
-    return is_scalar(code.kind)
-
-
-_ = Any

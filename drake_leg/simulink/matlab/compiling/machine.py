@@ -8,7 +8,7 @@ import numpy as np
 
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.compiling.runtime import DepartureError
-from drake_leg.simulink.matlab.data import Allowance, Function, Struct
+from drake_leg.simulink.matlab.data import Allowance, Function
 from drake_leg.simulink.matlab.frames import Alone, File, Frame, Memory, Values
 from drake_leg.simulink.matlab.indexing import read
 from drake_leg.simulink.matlab.interpreter import Interpreter
@@ -31,9 +31,7 @@ class Machine:
         self.memory = self._interpreter.memory = dict(memory)
         self.budget.taken = self.budget.made = 0
 
-    def main(
-        self, function: syntax.Function, file: File, arguments: Values, wanted: int
-    ) -> Values:
+    def main(self, function: syntax.Function, file: File, arguments: Values, wanted: int) -> Values:
         """Interpret a function."""
         return self._interpreter.main(function, file, arguments, wanted)
 
@@ -76,9 +74,7 @@ class Machine:
 
     @staticmethod
     def _closed(function: Function, seen: dict[str, Any]) -> Function:
-        return Function(
-            inputs=function.inputs, body=function.body, seen=seen, home=function.home
-        )
+        return Function(inputs=function.inputs, body=function.body, seen=seen, home=function.home)
 
     def _kept(self, key: str) -> Any:
         return self.memory[key]
@@ -92,6 +88,3 @@ class Machine:
             return
         if not isinstance(value, np.ndarray) or value.shape != shape or value.dtype != kind:
             raise DepartureError
-
-
-_ = Struct

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from drake_leg.simulink.matlab import operators, syntax, writing
+from drake_leg.simulink.matlab.checking import walked
 from drake_leg.simulink.matlab.compiling import runtime
 from drake_leg.simulink.matlab.compiling.code import (
     Code,
@@ -18,13 +19,13 @@ from drake_leg.simulink.matlab.compiling.code import (
     converted,
     fields_of,
     one_piece,
+    record,
 )
 from drake_leg.simulink.matlab.compiling.kinds import (
     ANYTHING,
     Kind,
     Numbers,
     Record,
-    Word,
     is_scalar,
     is_small,
     places,
@@ -35,12 +36,10 @@ from drake_leg.simulink.matlab.compiling.source import Lines, Loop, called, rend
 from drake_leg.simulink.matlab.compiling.statements import function_of
 from drake_leg.simulink.matlab.compiling.translation import Translation, places_of
 from drake_leg.simulink.matlab.compiling.values import inward, outward
-from drake_leg.simulink.matlab.data import Function, Struct
+from drake_leg.simulink.matlab.data import Struct
 from drake_leg.simulink.matlab.frames import File
-from drake_leg.simulink.matlab.indexing import ALL, last, read, removed, write
-from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN
-from drake_leg.simulink.matlab.names import assigned, names_in
-from drake_leg.simulink.matlab.specials import SPECIAL
+from drake_leg.simulink.matlab.indexing import ALL, columns, last, read, removed, write
+from drake_leg.simulink.matlab.names import names_in
 
 # ruff: noqa: ANN401 - any value of a script
 _MOST = 24  # kinds of inputs for which functions are written anew
@@ -88,8 +87,6 @@ class Module:
             return found
         if isinstance(value, Struct):
             fields = {name: self.code_of(one) for name, one in value.items()}
-            from drake_leg.simulink.matlab.compiling.code import record
-
             return record(fields)
         name = self.held(value)
         if isinstance(value, np.ndarray) and value.dtype in (np.float64, np.bool_):
@@ -147,9 +144,7 @@ class Module:
         listed = t.temporary(piece)
         return [Code(ANYTHING, (f"{listed}[{k}]",)) for k in range(wanted)]
 
-    def _call(
-        self, t: Translation, written: Written, given: list[Code], wanted: int
-    ) -> list[Code]:
+    def _call(self, t: Translation, written: Written, given: list[Code], wanted: int) -> list[Code]:
         if written.open:
             self._recursive.add(id(written.function))
         pieces = [
@@ -241,13 +236,13 @@ class Module:
             if written.failed:
                 raise UncompilableError("the function itself is left to the interpreter")
             results = self._call(t, written, codes, len(main.outputs))
-            given = [_given_out(name, code) for name, code in zip(main.outputs, results, strict=True)]
+            given = list(map(_given_out, main.outputs, results))
             t.emit(f"return {', '.join(given)}{',' * (len(given) == 1)}" if given else "return ()")
         entry.head = f"def entry({', '.join(f'u{k}' for k in range(len(names)))})"
         lines = Lines()
-        for one in self._written.values():
-            if not one.failed:
-                lines.extend([one.lines, "", ""])
+        for function in self._written.values():
+            if not function.failed:
+                lines.extend([function.lines, "", ""])
         lines.append(entry)
         return "\n".join(rendered(lines)) + "\n"
 
@@ -271,8 +266,6 @@ def _loose(kind: Kind) -> Kind:
 
 
 def _expressions(statements: tuple[Any, ...]) -> tuple[Any, ...]:
-    from drake_leg.simulink.matlab.checking import walked
-
     return tuple(node for _, located in walked(statements) for _, node in located)
 
 
@@ -288,8 +281,6 @@ def _nodes(node: Any) -> Iterator[Any]:
 def _taken_in(t: Translation, piece: str, name: str, kind: Kind, shape: Any) -> Code:
     """Take a signal into the places of its kind."""
     if isinstance(kind, Record):
-        from drake_leg.simulink.matlab.compiling.code import record
-
         return record(
             {
                 one: _taken_in(t, f"{piece}[{one!r}]", f"{name}.{one}", inner, shape[one])
@@ -321,13 +312,13 @@ def _given_out(name: str, code: Code) -> str:
     return called("outward", repr(name), one_piece(code))
 
 
+_OF_MATH = """sin cos tan atan sinh cosh tanh asinh exp log log2 log10 log1p expm1 sqrt asin acos
+acosh atanh atan2 hypot isinf isfinite pow"""
 _NAMES: dict[str, Any] = {
     "__builtins__": {},
     **{one.__name__: one for one in (float, int, bool, abs)},
-    **{name: vars(math)[name] for name in "sin cos tan atan sinh cosh tanh asinh exp".split()},
-    **{name: vars(math)[name] for name in "log log2 log10 log1p expm1 sqrt asin acos".split()},
-    **{name: vars(math)[name] for name in "acosh atanh atan2 hypot isinf isfinite pow".split()},
-    **{name: one for name, one in vars(runtime).items() if name in runtime.USED},
+    **{name: vars(math)[name] for name in _OF_MATH.split()},
+    **{name: one for name, one in vars(runtime).items() if name in runtime.USED.split()},
     "nan": math.nan,
     "inf": math.inf,
     "zeros": np.zeros,
@@ -336,6 +327,7 @@ _NAMES: dict[str, Any] = {
     "ALL": ALL,
     "read": read,
     "write": write,
+    "columns": columns,
     "last": last,
     "removed": removed,
     "put": writing.put,
@@ -350,4 +342,3 @@ _NAMES: dict[str, Any] = {
     "inward": inward,
     "outward": outward,
 }
-_ = (assigned, CONSTANTS, KNOWN, SPECIAL, Function, Word)

@@ -6,11 +6,13 @@ What is known is worked out by those rules on the numbers of the places.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from drake_leg.simulink.matlab import indexing
+from drake_leg.simulink.matlab.compiling.arithmetic import folded
 from drake_leg.simulink.matlab.compiling.code import (
     Code,
     UncompilableError,
@@ -36,6 +38,7 @@ from drake_leg.simulink.matlab.compiling.translation import Translation
 from drake_leg.simulink.matlab.data import Allowance
 from drake_leg.simulink.matlab.numeric import ELEMENTS, MatlabError
 
+# ruff: noqa: ANN401 - numbers of places in an array
 Index = Code | None  # None is ":"
 
 
@@ -66,8 +69,6 @@ def _kind(code: Code) -> str:
 
 def end_of(t: Translation, base: Code, place: int, count: int) -> Code:
     """What ``end`` means in an index."""
-    from drake_leg.simulink.matlab.compiling.arithmetic import folded
-
     like = sample(base.kind)
     if like is not None:
         found = folded(lambda budget: indexing.last(like, place, count))
@@ -144,8 +145,8 @@ def _known_part(t: Translation, base: Code, indices: list[Index]) -> Code | None
     if len(moving) == 2:
         if len(indices) != 2:
             return None
-        i, j = (t.atom(indices[k].parts[0]) for k in moving if indices[k])
-        at = called("place_in", i, j, str(shape[0]), str(shape[1]))
+        numbers = [t.atom(index.parts[0]) for index in indices if index]
+        at: str = called("place_in", *numbers, str(shape[0]), str(shape[1]))
         return Code(_element_kind(base), (f"{_choice(base.parts)}[{at}]",))
     axis = moving[0]
     index = indices[axis]
@@ -173,7 +174,7 @@ def _element_kind(base: Code) -> Numbers:
     return Numbers(_kind(base), (1, 1))
 
 
-def _choice(parts: Any) -> str:
+def _choice(parts: Sequence[str]) -> str:
     listed = ", ".join(parts)
     return f"({listed},)" if len(parts) == 1 else f"({listed})"
 
@@ -206,8 +207,6 @@ def _at_constants(
         return None
     made = moved(found, base.parts, _kind(base))
     if is_constant(base):
-        from drake_leg.simulink.matlab.compiling.arithmetic import folded
-
         value = value_of(base)
         return folded(lambda budget: indexing.read(value, constants, budget)) or made
     return made
@@ -276,9 +275,7 @@ def written(
                 return found
     rule = "write_owned" if owned else "write"
     old_piece = "None" if old is None else t.whole(old)
-    piece = called(
-        rule, old_piece, pieces_of(t, indices), t.whole(new), "budget", repr(name)
-    )
+    piece = called(rule, old_piece, pieces_of(t, indices), t.whole(new), "budget", repr(name))
     real = all(
         code is None or (isinstance(code.kind, Numbers) and code.kind.kind == "float")
         for code in (old, new)
@@ -365,11 +362,10 @@ def _written_somewhere(
     if len(indices) > 2 or not t.daring:
         return None
     shape = _folded(old, len(indices))
-    if len(indices) == 1:
-        at = _place(t, indices[0] or old)
-    else:
-        numbers = [index.parts[0] for index in indices if index]
-        at = called("place_in", *numbers, *map(str, shape))
+    numbers = [index.parts[0] for index in indices if index]
+    at = _place(t, indices[0] or old)
+    if len(indices) == 2:
+        at = str(called("place_in", *numbers, *map(str, shape)))
     new = t.atom(parts[0])
     held = t.temporary(f"[{', '.join(old.parts)}]")
     t.emit(f"{held}[{at}] = {new}")

@@ -8,13 +8,12 @@ its beginning.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from drake_leg.simulink.matlab.data import Allowance, Cell, Function, Struct, array_of, extent
-from drake_leg.simulink.matlab.indexing import ALL, read, write
+from drake_leg.simulink.matlab.data import Allowance, Cell, Struct, array_of
+from drake_leg.simulink.matlab.indexing import read, write
 from drake_leg.simulink.matlab.library import KNOWN
 from drake_leg.simulink.matlab.numeric import span
 from drake_leg.simulink.matlab.writing import Indexed, written_in_place
@@ -221,23 +220,9 @@ def rounds(parts: tuple[float, ...], budget: Allowance) -> Any:
     return made
 
 
-def columns(value: Any, budget: Allowance) -> Iterator[Any]:
-    """Columns of a value, over which a loop runs."""
-    shape = extent(value)
-    width = math.prod(shape[1:]) if shape[0] else 0
-    for k in range(width):
-        budget.step()
-        yield read(value, [ALL, float(k + 1)], budget)
-
-
 def known(name: str, budget: Allowance, *arguments: Any) -> Any:
     """Call a function of the library for one value."""
     return KNOWN[name](budget, 1, *arguments)
-
-
-def is_function(value: Any) -> bool:
-    """Whether a value is a function."""
-    return isinstance(value, Function)
 
 
 def copied(value: Any) -> Any:
@@ -269,8 +254,7 @@ def braces(indices: Any) -> Indexed:
     return Indexed(indices, braces=True)
 
 
-USED = frozenset(
-    "DepartureError lost holds all_hold sign floored ceiled fixed rounded mod rem larger smaller divided "
-    "place place_in packed column row spread array number logical real element places field "
-    "content rounds columns known copied write_owned fields parentheses braces".split()
-)
+USED = """DepartureError lost holds all_hold sign floored ceiled fixed rounded mod rem larger
+smaller
+divided place place_in packed column row spread array number logical real element places field
+content rounds known copied write_owned fields parentheses braces"""

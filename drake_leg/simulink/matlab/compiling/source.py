@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-OR, AND, NOT, COMPARISON, SUM, PRODUCT, SIGN, ATOM = range(1, 9)
+OR, AND, NOT, COMPARISON, EITHER, BOTH, SUM, PRODUCT, SIGN, ATOM = range(1, 11)
 _ATOM = re.compile(r"[A-Za-z_]\w*|-?\d+(\.\d*)?(e[+-]?\d+)?", re.ASCII)
 _LONG = 160  # characters of a piece that becomes a variable of its own
 
@@ -19,6 +19,7 @@ class Piece(str):
     level: int
 
     def __new__(cls, text: str, level: int = ATOM) -> Piece:
+        """Make one of a text."""
         made = super().__new__(cls, text)
         made.level = level
         return made

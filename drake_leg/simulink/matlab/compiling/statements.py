@@ -4,28 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
-
-import numpy as np
 
 from drake_leg.simulink.matlab import operators, syntax
-from drake_leg.simulink.matlab.compiling import parts
 from drake_leg.simulink.matlab.compiling.arithmetic import truth
+from drake_leg.simulink.matlab.compiling.assignments import assign, declare
 from drake_leg.simulink.matlab.compiling.code import (
     Code,
     UncompilableError,
-    constant,
     converted,
-    fields_of,
     floats,
     is_constant,
-    record,
     value_of,
 )
 from drake_leg.simulink.matlab.compiling.expressions import (
-    call,
-    field_name,
-    indices_of,
     several,
     value,
 )
@@ -36,7 +27,6 @@ from drake_leg.simulink.matlab.compiling.kinds import (
     SCALAR,
     Kind,
     Numbers,
-    Record,
     Word,
     is_scalar,
     is_small,
@@ -44,14 +34,21 @@ from drake_leg.simulink.matlab.compiling.kinds import (
     places,
     variable,
 )
-from drake_leg.simulink.matlab.compiling.source import COMPARISON, If, Lines, Loop, called, joined
+from drake_leg.simulink.matlab.compiling.source import (
+    COMPARISON,
+    OR,
+    If,
+    Lines,
+    Loop,
+    called,
+    joined,
+)
 from drake_leg.simulink.matlab.compiling.translation import Translation, Variables, places_of
 from drake_leg.simulink.matlab.frames import place_of
 from drake_leg.simulink.matlab.library import NOT_RUN, QUIET
-from drake_leg.simulink.matlab.names import assigned, first_of, names_in
+from drake_leg.simulink.matlab.names import assigned, first_of
 from drake_leg.simulink.matlab.names import called as name_of
 from drake_leg.simulink.matlab.specials import COMMANDS
-from drake_leg.simulink.matlab.writing import steps_of
 
 ROUNDS = 8  # of a loop that is written out
 _TRIES = 30  # to find what holds at the head of a loop
@@ -82,7 +79,7 @@ def _statement(t: Translation, ways: Ways, statement: syntax.Statement) -> bool:
     t.count()
     match statement:
         case syntax.Assign():
-            _assign(t, statement)
+            assign(t, statement)
         case syntax.Evaluate(value=node):
             _evaluate(t, node)
         case syntax.If(branches=branches, otherwise=otherwise):
@@ -97,7 +94,7 @@ def _statement(t: Translation, ways: Ways, statement: syntax.Statement) -> bool:
             return _jump(t, ways, keyword)
         case syntax.Declare(keyword="persistent", names=names):
             for name in names:
-                _declare(t, name)
+                declare(t, name)
         case syntax.Command(name=name) if name in QUIET or name in NOT_RUN or name == "!":
             pass
         case _:
@@ -107,155 +104,16 @@ def _statement(t: Translation, ways: Ways, statement: syntax.Statement) -> bool:
 
 def _evaluate(t: Translation, node: syntax.Expression) -> None:
     name = name_of(node)
-    if name and name not in t.variables.kinds:
-        if t.module.own(name, t.file) is None:
-            if name in COMMANDS:
-                raise UncompilableError(f"the command '{name}'")
-            if name in QUIET or name in NOT_RUN:
-                return
+    if name and name not in t.variables.kinds and t.module.own(name, t.file) is None:
+        if name in COMMANDS:
+            raise UncompilableError(f"the command '{name}'")
+        if name in QUIET or name in NOT_RUN:
+            return
     if name_of(first_of(node)) == "coder" and isinstance(node, syntax.Field | syntax.Part):
         return
     if t.module.uses_answer(t.function):
         raise UncompilableError("it uses 'ans'")
-    found = several(t, node, 0)
-    del found
-
-
-# --- assignments ------------------------------------------------------------------------------
-
-
-def _assign(t: Translation, statement: syntax.Assign) -> None:
-    targets, node = statement.targets, statement.value
-    if len(targets) == 1:
-        target = targets[0]
-        if isinstance(target, syntax.Target) and target.indices is None:
-            found = t.short(value(t, node))
-            if target.name != "~":
-                t.assign(target.name, found)
-            return
-        if isinstance(node, syntax.Matrix) and not node.rows:
-            _remove(t, target)
-        else:
-            _write(t, target, value(t, node))
-        return
-    found_all = several(t, node, len(targets))
-    if len(found_all) < len(targets):
-        raise UncompilableError("there are too few values")
-    held = [t.atoms(code) for code in found_all]
-    for target, code in zip(targets, held, strict=False):
-        if isinstance(target, syntax.Target) and target.name == "~":
-            continue
-        if isinstance(target, syntax.Target) and target.indices is None:
-            if any(part in _all_places(t) for part in code.parts):
-                code = Code(code.kind, tuple(map(t.temporary, code.parts)), code.fresh)
-            t.assign(target.name, code)
-        else:
-            _write(t, target, code)
-
-
-def _remove(t: Translation, target: syntax.Target | syntax.Place) -> None:
-    name = target.name
-    known = name in t.variables.kinds and name not in t.variables.unsure
-    if isinstance(target, syntax.Place) or not known:
-        raise UncompilableError("a part of a part is removed")
-    old = t.seen(name)
-    indices = indices_of(t, target.indices or (), old)
-    t.assign(name, t.short(parts.removed(t, old, indices, name)))
-
-
-def _all_places(t: Translation) -> set[str]:
-    return {one for name, kind in t.variables.kinds.items() for one in places_of(name, kind)}
-
-
-def _write(t: Translation, target: syntax.Target | syntax.Place, new: Code) -> None:
-    name = target.name
-    if name in t.variables.unsure:
-        raise UncompilableError("elements of a variable that may have no value")
-    old = t.seen(name) if name in t.variables.kinds else None
-    owned = name in t.variables.owned
-    if isinstance(target, syntax.Target):
-        nothing = Code(Numbers("float", (0, 0)))
-        indices = indices_of(t, target.indices or (), old or nothing)
-        made = parts.written(t, old, indices, new, name, owned=owned)
-    else:
-        made = _put(t, old, steps_of(target.to), new)
-    t.assign(name, t.short(made))
-
-
-def _put(t: Translation, old: Code | None, steps: list[syntax.Expression], new: Code) -> Code:
-    """Return a value in which a part is replaced."""
-    if not steps:
-        return new
-    step, rest = steps[0], steps[1:]
-    nothing = old is None or (isinstance(old.kind, Numbers) and not places(old.kind))
-    if isinstance(step, syntax.Field) and (nothing or isinstance(old and old.kind, Record)):
-        fields = {} if nothing or old is None else fields_of(old)
-        name = field_name(t, step)
-        fields[name] = _put(t, fields.get(name), rest, new)
-        return record(fields)
-    if isinstance(step, syntax.Part) and not step.braces and not rest:
-        base = old or Code(Numbers("float", (0, 0)))
-        return parts.written(t, old, indices_of(t, step.arguments, base), new)
-    return _put_in_general(t, old, steps, new)
-
-
-def _put_in_general(
-    t: Translation, old: Code | None, steps: list[syntax.Expression], new: Code
-) -> Code:
-    """Replace a part by the interpreter's rules, step by step."""
-    pieces = []
-    for k, step in enumerate(steps):
-        if isinstance(step, syntax.Field):
-            pieces.append(repr(field_name(t, step)))
-        elif isinstance(step, syntax.Part):
-            pieces.append(_lazy_indices(t, step, str(k)))
-    base = "None" if old is None else t.whole(old)
-    piece = called("put", base, f"[{', '.join(pieces)}]", t.whole(new), "budget")
-    return Code(ANYTHING, (t.temporary(piece),))
-
-
-def _lazy_indices(t: Translation, step: syntax.Part, number: str) -> str:
-    """Indices as a function of the value that they index."""
-    base = Code(ANYTHING, (f"base{number}",))
-    with t.into(Lines()) as lines:
-        indices = indices_of(t, step.arguments, base)
-    if any("base" in str(line) for line in lines):
-        raise UncompilableError("an index of a part that uses its end")
-    t.lines.extend(lines)
-    kind = "braces" if step.braces else "parentheses"
-    return called(kind, f"lambda base{number}: {parts.pieces_of(t, indices)}")
-
-
-def _declare(t: Translation, name: str) -> None:
-    """Read a persistent variable as the last call left it."""
-    if t.ends or name in t.variables.kinds or t.module.is_active_twice(t.function):
-        raise UncompilableError("a persistent variable is declared late")
-    key = f"{place_of(t.file, t.function)}.{name}"
-    kind = variable(t.module.kept.get(key, Numbers("float", (0, 0))))
-    piece = called("kept", repr(key))
-    if isinstance(kind, Numbers) and not places(kind):
-        shape = repr(kind.shape)
-        t.emit(called("expect_empty", repr(key), shape, "bool" if kind.kind == "bool" else "float"))
-        code = constant(np.zeros(kind.shape or (0, 0), bool if kind.kind == "bool" else float))
-        assert code is not None
-        code = Code(kind)
-    else:
-        code = taken(t, piece, kind)
-    t.assign(name, code)
-    t.variables.kept |= {name}
-    t.module.keeps = True
-
-
-def taken(t: Translation, piece: str, kind: Kind) -> Code:
-    """Take a value of the interpreter's, which should be of a kind, into its places."""
-    if isinstance(kind, Numbers):
-        return parts.checked(t, piece, kind)
-    if isinstance(kind, Record):
-        name = t.temporary(called("fields", piece, repr(tuple(name for name, _ in kind.fields))))
-        return record(
-            {field: taken(t, f"{name}[{field!r}]", one) for field, one in kind.fields}
-        )
-    return Code(ANYTHING, (t.temporary(piece),))
+    several(t, node, 0)
 
 
 # --- choices ----------------------------------------------------------------------------------
@@ -340,7 +198,10 @@ def _is_one_of(t: Translation, on: Code, options: list[Code]) -> str:
         test = _is_same(t, on, option)
         if test == "True" or total == "True":
             return "True"
-        total = test if total == "False" else joined(total, "or", test, 1) if test != "False" else total
+        if total == "False":
+            total = test
+        elif test != "False":
+            total = joined(total, "or", test, OR)
     return total
 
 
@@ -359,8 +220,12 @@ def _for(t: Translation, ways: Ways, statement: syntax.For) -> bool:
     name, over, body = statement.variable, statement.over, statement.body
     if isinstance(over, syntax.Range):
         found = [value(t, part) for part in over.parts]
-        if all(is_scalar(code.kind) for code in found) and not is_constant(*found):
-            piece = called("rounds", "(" + ", ".join(floats(code)[0] for code in found) + ")", "budget")
+        few = _columns(value(t, over)) if is_constant(*found) else None
+        if few is not None:
+            return _over_columns(t, ways, name, few, body)
+        if all(is_scalar(code.kind) for code in found):
+            ends = ", ".join(floats(code)[0] for code in found)
+            piece = called("rounds", f"({ends})", "budget")
             each = Numbers("float", (1, 1), whole=_counts(found))
             head = f"for {places_of(name, SCALAR)[0]} in {piece}"
             return _loop(t, ways, head, (name, each), None, body)
@@ -390,12 +255,8 @@ def _columns(code: Code) -> list[Code] | None:
         return []
     values = kind.value if isinstance(kind.value, tuple) else [kind.value] * len(code.parts)
     if rows == 1:
-        return [
-            constant(one) or Code(Numbers(kind.kind, (1, 1)), (part,))
-            if isinstance(one, float | bool)
-            else Code(Numbers(kind.kind, (1, 1)), (part,))
-            for one, part in zip(values, code.parts, strict=True)
-        ]
+        kinds = [Numbers(kind.kind, (1, 1), one) for one in values]
+        return [Code(one, (part,)) for one, part in zip(kinds, code.parts, strict=True)]
     cut = [code.parts[rows * k : rows * (k + 1)] for k in range(count)]
     return [Code(Numbers(kind.kind, (rows, 1)), one) for one in cut]
 
@@ -412,9 +273,7 @@ def _over_columns(
     if len(columns) <= ROUNDS and not _jumps(body):
         columns = [t.atoms(code) for code in columns]
         if len(columns) > 1 and not all(is_constant(code) for code in columns):
-            columns = [
-                Code(code.kind, tuple(map(t.temporary, code.parts))) for code in columns
-            ]
+            columns = [Code(code.kind, tuple(map(t.temporary, code.parts))) for code in columns]
         for column in columns:
             t.assign(name, column)
             ways.jumps.append(None)
@@ -497,9 +356,8 @@ def _loop(
         after = at_head
         for way in ended:
             after = after.joined(way.variables)
-        if after.kinds == at_head.kinds and after.unsure == at_head.unsure:
-            if after.owned == at_head.owned:
-                break
+        if after == at_head:
+            break
         if attempt > 4:
             for name, kind in after.kinds.items():
                 if at_head.kinds.get(name) != kind:
@@ -580,6 +438,3 @@ def _leave(t: Translation, way: Way, names: tuple[str, ...], kinds: list[Kind]) 
                 t.emit(called("keep", repr(key), t.whole(t.seen(name))))
         listed = ", ".join(given)
         t.emit(f"return {listed}{',' * (len(given) == 1)}" if given else "return ()")
-
-
-_ = (Any, call, names_in)

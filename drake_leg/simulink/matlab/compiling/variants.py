@@ -145,9 +145,7 @@ class Variants:
             return Variant()
         namespace = module.namespace()
         exec(code, namespace)
-        return Variant(
-            source=source, entry=namespace["entry"], arrays=module.arrays, daring=daring
-        )
+        return Variant(source=source, entry=namespace["entry"], arrays=module.arrays, daring=daring)
 
     def depart(self, variant: Variant, memory: Memory, arguments: tuple[Any, ...]) -> None:
         """Note that a form did not fit; one that seldom does is compiled anew."""
