@@ -9,7 +9,7 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.contact import Contact, ContactLaw, Side
-from drake_leg.simulink.dynamics.contact_sensing import sensed_of_contact
+from drake_leg.simulink.dynamics.contact_sensing import MEASURES, sensed_of_contact
 from drake_leg.simulink.dynamics.forces import (
     ExternalForce,
     Field,
@@ -33,7 +33,7 @@ from drake_leg.simulink.dynamics.shapes import (
 )
 from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.mechanism import BASE, FOLLOWER, Frame, PhysicalNetwork
-from drake_leg.simulink.model import Block, invalid_parameter, number, split_port, vector
+from drake_leg.simulink.model import Block, invalid_parameter, is_on, number, split_port, vector
 from drake_leg.simulink.multibody.bodies import Mechanism
 from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES
 from drake_leg.simulink.multibody.mass import Array
@@ -166,7 +166,8 @@ class Applied:
         if base is None or follower is None:
             self._leave_out(block)
             return
-        contact = Contact(base, follower, self._law(block))
+        measures = any(is_on(block, switch) for switch in MEASURES)
+        contact = Contact(base, follower, self._law(block), measures=measures)
         if not contact.pairs:
             raise InvalidValueError(
                 f"the block {block.name!r} (SID {block.sid}) lets two geometries touch of which "

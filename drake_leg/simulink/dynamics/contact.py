@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from drake_leg.simulink.dynamics.joints import smooth
 from drake_leg.simulink.dynamics.moment import Moment, Place, cross
-from drake_leg.simulink.dynamics.shapes import Corners, Points, Surface
+from drake_leg.simulink.dynamics.shapes import Corners, Plane, Points, Surface
 from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.multibody.mass import Array
 
@@ -61,6 +62,11 @@ class Side:
     surface: Surface | None  # that points of the other side may be in
     corners: Corners | None  # that may be in the other side
 
+    @cached_property
+    def reach(self) -> float:
+        """Return the radius of a ball around its origin that holds all of it [m]."""
+        return self.corners.reach if self.corners else math.inf
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Touch:
@@ -80,8 +86,10 @@ class Touch:
 class Contact:
     """The forces between two geometries."""
 
-    def __init__(self, base: Side, follower: Side, law: ContactLaw) -> None:
-        self.base, self.follower, self._law = base, follower, law
+    def __init__(
+        self, base: Side, follower: Side, law: ContactLaw, *, measures: bool = False
+    ) -> None:
+        self.base, self.follower, self._law, self._measures = base, follower, law, measures
         pairs = [(base, follower, 1.0), (follower, base, -1.0)]
         pairs = [each for each in pairs if each[0].surface and each[1].corners]
         round_ones = [each for each in pairs if each[1].corners and each[1].corners.radius]
@@ -94,12 +102,23 @@ class Contact:
         return max((len(each.points) for each in corners if isinstance(each, Points)), default=0)
 
     def touches(self, moment: Moment) -> list[Touch]:
-        """Return where the two are in each other, or nearest, at a moment."""
+        """Return where the two are in each other; where it measures, the nearest point else."""
         found = moment.memo.get(self)
         if not isinstance(found, list):
-            found = [touch for pair in self.pairs for touch in self._between(moment, *pair)]
+            found = []
+            if self._measures or not self._is_far(moment):
+                found = [touch for pair in self.pairs for touch in self._between(moment, *pair)]
             moment.memo[self] = found
         return found
+
+    def _is_far(self, moment: Moment) -> bool:
+        """Tell quickly that the two cannot touch."""
+        on, of, _ = self.pairs[0]
+        (R_WS, p_WS), (_, p_WC) = moment.pose(on.place), moment.pose(of.place)
+        apart = p_WC - p_WS
+        if isinstance(on.surface, Plane):
+            return float(apart @ R_WS[:, 2]) > of.reach
+        return math.sqrt(float(apart @ apart)) > on.reach + of.reach
 
     def separations(self, moment: Moment) -> Array:
         """Return the distances of all points of a cloud [m]."""
@@ -149,7 +168,8 @@ class Contact:
         radius = corners.radius
         inside = np.flatnonzero(distances < radius).tolist()
         found = []
-        for place in inside or [int(distances.argmin())]:
+        nearest = [int(distances.argmin())] if self._measures else []
+        for place in inside or nearest:
             depth = radius - float(distances[place])
             at = points[place] - (float(distances[place]) + radius) / 2.0 * normals[place]
             point, normal = R_WS @ at + p_WS, sign * (R_WS @ normals[place])

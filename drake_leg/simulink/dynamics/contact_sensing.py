@@ -15,6 +15,11 @@ from drake_leg.simulink.multibody.mass import Array
 
 Law = Callable[[Touch], float]
 
+MEASURES = (  # what wants the nearest points, too, where nothing touches
+    "SenseContactSignal", "SensePenetrationDepth", "SenseSeparationDistance",
+    "SenseContactBaseRotation", "SenseContactBaseTranslation", "SenseContactFollowerRotation",
+    "SenseContactFollowerTranslation", "SenseNormalVelocity", "SenseTangentialVelocity",
+)  # fmt: skip
 SUMS: tuple[tuple[str, Law], ...] = (
     ("SenseNormalForceMagnitude", lambda touch: touch.push),
     ("SenseFrictionalForceMagnitude", lambda touch: touch.friction),

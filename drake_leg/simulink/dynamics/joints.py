@@ -87,6 +87,16 @@ class Joints:
         rates: Array = self.S @ moment.v
         return rates
 
+    def followed(self, state: Array, u: Array) -> Array:
+        """Return a state of the plant whose driven axes are at their motions."""
+        found, nq = state.copy(), self.A.shape[1]
+        for motion in self.motions:
+            x, rate, _ = u[motion.entries]
+            A, S = self.A[motion.axis], self.S[motion.axis]
+            found[:nq] += A * (x - self.b[motion.axis] - A @ found[:nq])
+            found[nq:] += S * (rate - S @ found[nq:])
+        return found
+
     def stop_force(self, moment: Moment, axis: int, side: float) -> float:
         """Return the force of one limit along its axis [N*m or N]."""
         x, rate = self.positions(moment), self.rates(moment)

@@ -52,6 +52,11 @@ class Corners(Protocol):
         """Return the radius of the balls around the points [m]."""
         ...
 
+    @property
+    def reach(self) -> float:
+        """Return the radius of a ball around the origin that holds all of the shape [m]."""
+        ...
+
     def toward(self, direction: Array) -> Array:
         """Return points (n, 3); ``direction`` is that of the other shape's inside."""
         ...
@@ -74,6 +79,11 @@ class Points:
 
     points: Array  # (n, 3) [m]
     radius: float = 0.0  # [m]
+
+    @property
+    def reach(self) -> float:
+        """Return the greatest distance from the origin [m]."""
+        return float(np.linalg.norm(self.points, axis=1).max()) + self.radius
 
     def toward(self, _: Array) -> Array:
         """Return all of them."""
@@ -134,6 +144,11 @@ class Ball:
         return float(self.radii[0]) if self._is_sphere else 0.0
 
     @property
+    def reach(self) -> float:
+        """Return the greatest radius [m]."""
+        return float(self.radii.max())
+
+    @property
     def _is_sphere(self) -> bool:
         return bool((self.radii == self.radii[0]).all())
 
@@ -164,6 +179,11 @@ class Barrel:
             reach[:, None] > 0.0, points[:, :2] / np.maximum(reach, 1e-300)[:, None], [1.0, 0.0]
         )
         return distances, np.column_stack([across[:, :1] * radial, across[:, 1]])
+
+    @property
+    def reach(self) -> float:
+        """Return the distance of a rim from the center [m]."""
+        return math.hypot(self.rim, self.half)
 
     def toward(self, direction: Array) -> Array:
         """Return four points of each rim: the one farthest in a direction, and a cross with it."""

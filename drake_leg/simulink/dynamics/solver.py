@@ -20,9 +20,10 @@ from drake_leg.simulink.dynamics.moment import Moment
 from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.multibody.mass import Array
 
-# Pulls driven axes to their motions and loops together, against rounding and the integrator's
-# errors [1/s]; weak enough for steps of 50 ms.
-PULL = 20.0
+# Pull driven axes to their motions, and loops together, against the integrator's errors [1/s]. What
+# is pulled harder takes more steps.
+FOLLOW = 2.0
+PULL = 10.0
 REDUNDANT = 1e-8  # of the greatest pivot of the constraints, below which one is redundant
 POOR = 1e-5  # of the greatest pivot, below which independent constraints are chosen again
 
@@ -115,7 +116,7 @@ class Solver:
         x, rate, acceleration = u[self._entries].T
         late = rate - self._S @ moment.v
         off = x - self._A @ moment.q - self._b
-        wanted: Array = acceleration + 2.0 * PULL * late + PULL**2 * off
+        wanted: Array = acceleration + 2.0 * FOLLOW * late + FOLLOW**2 * off
         return wanted
 
     def _rows(self, moment: Moment, wanted: Array) -> tuple[Array, Array]:

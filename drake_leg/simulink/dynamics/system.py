@@ -111,7 +111,7 @@ class MechanismSystem(Diagram):
         Parameters
         ----------
         context : Context
-            This system's own, of a diagram that holds it, too.
+            That of this system alone, or that of the whole diagram that holds it.
         u : (n,), optional
             The inputs at the start; driven axes are at their motions there.
 
@@ -122,6 +122,27 @@ class MechanismSystem(Diagram):
         """
         plant, state = self._acting.plant, start_of(self._acting, u)
         plant.SetPositionsAndVelocities(plant.GetMyMutableContextFromRoot(context), state)
+
+    def follow(self, context: Context) -> None:
+        """Put driven axes exactly on their motions, against the integrator's errors.
+
+        Between two steps of a simulator it takes the little that they are off away: by a
+        Runge-Kutta integrator of order 3, some 1e-8 of the motion at an accuracy of 1e-6.
+
+        Parameters
+        ----------
+        context : Context
+            That of this system alone, or that of the whole diagram that holds it.
+        """
+        own = self.GetMyMutableContextFromRoot(context)
+        port = self.GetInputPort("u")
+        if self.motions and port.HasValue(own):
+            plant = self._acting.plant
+            plant_context = plant.GetMyMutableContextFromRoot(context)
+            state = plant.GetPositionsAndVelocities(plant_context)
+            plant.SetPositionsAndVelocities(
+                plant_context, self._acting.joints.followed(state, port.Eval(own))
+            )
 
 
 class _Forces(LeafSystem):
