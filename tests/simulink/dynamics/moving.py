@@ -43,7 +43,7 @@ def sensed(system, context, built, text):
     return values.reshape(system.shapes[key])
 
 
-def run(system, until, accuracy=1e-9, u=None):
+def run(system, until, accuracy=1e-7, u=None):
     context = system.CreateDefaultContext()
     if u is not None:
         system.GetInputPort("u").FixValue(context, u)

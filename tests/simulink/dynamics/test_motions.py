@@ -94,10 +94,10 @@ class FourBar:
     ground, crank, coupler, rocker = 0.4, 0.1, 0.35, 0.25
 
     def __init__(self):
-        self.masses = [0.1 * l for l in (self.crank, self.coupler, self.rocker)]
         lengths = (self.crank, self.coupler, self.rocker)
+        self.masses = [0.1 * length for length in lengths]
         self.inertias = [
-            m * (l**2 + 1e-4) / 12.0 for m, l in zip(self.masses, lengths, strict=True)
+            m * (length**2 + 1e-4) / 12.0 for m, length in zip(self.masses, lengths, strict=True)
         ]
 
     def closed(self, theta):
@@ -150,11 +150,11 @@ def four_bar_in_motion(**texts):
     targets = {"PositionTargetSpecify": "on", "PositionTargetValue": "60"}
     # The coupler opens upward, as by hand.
     built = with_gravity(four_bar(**targets, **texts), GravityVector="[0 -9.81 0]")
-    built.set(
-        "B", PositionTargetSpecify="on", PositionTargetValue="-20", PositionTargetPriority="Low"
-    )
-    return built.set("C", PositionTargetSpecify="on", PositionTargetValue="-90",
-                     PositionTargetPriority="Low")  # fmt: skip
+    for joint, angle in (("B", "-20"), ("C", "-90")):
+        built.set(
+            joint, **targets | {"PositionTargetValue": angle, "PositionTargetPriority": "Low"}
+        )
+    return built
 
 
 def test_a_four_bar_moves_as_its_one_equation_says(tmp_path):
