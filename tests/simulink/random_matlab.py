@@ -174,8 +174,9 @@ class Writer:
             over = self.pick(("1:3", "1:n", "3:-1:1", "v'", "1:2", "1:3:4", "1:3", "[1 2 3]"))
             return f"for i = {over}\n{self.block()}{self.jump()}\nend\ni = 1;"
         if roll == 19:
-            start = f"j = 0;\nwhile j < {self.pick(('3', '5', 'a'))}\nj = j + 1;\n"
-            return f"{start}if j > 20, break; end\n{self.block()}{self.jump()}\nend"
+            j = f"j{self._depth}"
+            start = f"{j} = 0;\nwhile {j} < {self.pick(('3', '5', 'a'))}\n{j} = {j} + 1;\n"
+            return f"{start}if {j} > 6, break; end\n{self.block()}{self.jump()}\nend"
         if roll == 20:
             cases = "\n".join(
                 f"case {self.pick(('1', '{1, 2}', '3', 'a'))}\n{self.block()}" for _ in range(2)

@@ -45,13 +45,11 @@ def checked_functions(
         functions = parser.functions()
     except MatlabError as fault:
         raise located(fault, parser.name if parser else _named(script), 1) from None
-    own = {function.name for function in functions}
     for name in ("varargin", "varargout"):
         if name in (*functions[0].inputs, *functions[0].outputs):
             refusal = MatlabError(f"'{name}' is not supported")
             raise located(refusal, functions[0].name, functions[0].line)
-    for function in functions:
-        _require_supported(function, own, refused, beside)
+    require_supported(functions, refused=refused, beside=beside)
     return functions
 
 
@@ -62,13 +60,30 @@ def located(fault: MatlabError, name: str, line: int) -> InvalidValueError:
     return InvalidValueError(f"{what}, line {fault.line or line}: {fault}")
 
 
+def require_supported(
+    functions: tuple[syntax.Function, ...],
+    *,
+    refused: tuple[str, ...],
+    beside: Callable[[str], bool] | None,
+) -> None:
+    """Refuse what keeps values where none can be kept, and names that mean nothing.
+
+    Raises
+    ------
+    InvalidValueError
+        With function and line.
+    """
+    own = {function.name for function in functions}
+    for function in functions:
+        _require_supported(function, own, refused, beside)
+
+
 def _require_supported(
     function: syntax.Function,
     own: set[str],
     refused: tuple[str, ...],
     beside: Callable[[str], bool] | None,
 ) -> None:
-    """Refuse what keeps values where none can be kept, and names that mean nothing."""
     known = {*function.inputs, *function.outputs, *assigned(function.body), *own}
     for statement, expressions in walked(function.body):
         if isinstance(statement, syntax.Declare) and statement.keyword in refused:

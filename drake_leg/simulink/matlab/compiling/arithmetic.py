@@ -25,6 +25,7 @@ from drake_leg.simulink.matlab.compiling.kinds import (
     TRUTH,
     Kind,
     Numbers,
+    Shape,
     is_scalar,
     is_small,
 )
@@ -42,7 +43,7 @@ from drake_leg.simulink.matlab.compiling.source import (
     called,
     joined,
 )
-from drake_leg.simulink.matlab.compiling.translation import Translation
+from drake_leg.simulink.matlab.compiling.translation import Translation, checked
 from drake_leg.simulink.matlab.data import Allowance
 from drake_leg.simulink.matlab.numeric import MatlabError, quiet
 
@@ -76,7 +77,22 @@ def combined(t: Translation, symbol: str, left: Code, right: Code) -> Code:
             found = _of_arrays(t, symbol, left, right)
         if found is not None:
             return t.short(found)
+        shape = _shape_of_division(symbol, a.shape, b.shape)
+        if shape is not None and t.daring:
+            piece = called("combined", repr(symbol), t.whole(left), t.whole(right), "budget")
+            return checked(t, piece, Numbers("float", shape))
     return _in_general(t, symbol, left, right)
+
+
+def _shape_of_division(symbol: str, a: Shape | None, b: Shape | None) -> Shape | None:
+    """Size of a quotient of matrices, or of a power of one."""
+    if a is None or b is None or not (len(a) == len(b) == 2):
+        return None
+    if symbol == "\\" and a[0] == b[0]:
+        return a[1], b[1]
+    if symbol == "/" and a[1] == b[1]:
+        return a[0], b[0]
+    return a if symbol == "^" and a[0] == a[1] and b == (1, 1) else None
 
 
 def _in_general(

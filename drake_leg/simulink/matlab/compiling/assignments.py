@@ -25,7 +25,7 @@ from drake_leg.simulink.matlab.compiling.kinds import (
     variable,
 )
 from drake_leg.simulink.matlab.compiling.source import Lines, called
-from drake_leg.simulink.matlab.compiling.translation import Translation, places_of
+from drake_leg.simulink.matlab.compiling.translation import Translation, checked, places_of
 from drake_leg.simulink.matlab.frames import place_of
 from drake_leg.simulink.matlab.writing import steps_of
 
@@ -154,7 +154,7 @@ def declare(t: Translation, name: str) -> None:
 def _taken(t: Translation, piece: str, kind: Kind) -> Code:
     """Take a value of the interpreter's, which should be of a kind, into its places."""
     if isinstance(kind, Numbers):
-        return parts.checked(t, piece, kind)
+        return checked(t, piece, kind)
     if isinstance(kind, Record):
         name = t.temporary(called("fields", piece, repr(tuple(name for name, _ in kind.fields))))
         return record({field: _taken(t, f"{name}[{field!r}]", one) for field, one in kind.fields})

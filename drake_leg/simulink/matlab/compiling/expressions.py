@@ -33,9 +33,9 @@ from drake_leg.simulink.matlab.compiling.kinds import (
     sample,
 )
 from drake_leg.simulink.matlab.compiling.library_rules import library
-from drake_leg.simulink.matlab.compiling.parts import Index, checked, end_of, part_of
+from drake_leg.simulink.matlab.compiling.parts import Index, end_of, part_of
 from drake_leg.simulink.matlab.compiling.source import AND, OR, If, Lines, called, joined
-from drake_leg.simulink.matlab.compiling.translation import Translation
+from drake_leg.simulink.matlab.compiling.translation import Translation, checked
 from drake_leg.simulink.matlab.data import Allowance, Function, Text
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
 from drake_leg.simulink.matlab.names import called as name_of

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.checking import checked_functions, located
-from drake_leg.simulink.matlab.compiling.beside import Beside
+from drake_leg.simulink.matlab.checking import checked_functions, located, require_supported
+from drake_leg.simulink.matlab.compiling.beside import Beside, is_beside
 from drake_leg.simulink.matlab.compiling.machine import Machine
 from drake_leg.simulink.matlab.compiling.values import inward, outward
 from drake_leg.simulink.matlab.compiling.variants import Variants
-from drake_leg.simulink.matlab.data import LackError
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.matlab.frames import Alone, File, Memory
 from drake_leg.simulink.matlab.numeric import MatlabError, quiet
 from drake_leg.simulink.matlab.program import small_budget
 
 # ruff: noqa: ANN401 - any value of a signal
+REFUSED = ("global",)  # declarations
 
 
 class CompiledFunction:
@@ -149,29 +150,39 @@ def compiled(
         With function and line, if the code is not well formed, or needs what is not supported.
     """
     host = Alone() if functions is None else Beside(functions)
-    alone = File(name="")
-    found = checked_functions(
-        script,
-        refused=("global",),
-        beside=lambda called: _is_beside(host, called, alone),
-    )
-    given = parameters or {}
+    found = checked_functions(script, refused=REFUSED, beside=partial(is_beside, host))
+    return _with_parameters(found, parameters or {}, host, name)
+
+
+def made(
+    functions: tuple[syntax.Function, ...],
+    parameters: Mapping[str, Any],
+    folders: Folders | None,
+) -> CompiledFunction:
+    """Make functions callable that are parsed already, the first one of them first.
+
+    Raises
+    ------
+    InvalidValueError
+        If they need what is not supported.
+    """
+    host = Alone() if folders is None else Beside(folders)
+    require_supported(functions, refused=REFUSED, beside=partial(is_beside, host))
+    return _with_parameters(functions, parameters, host, "")
+
+
+def _with_parameters(
+    functions: tuple[syntax.Function, ...], given: Mapping[str, Any], host: Alone, name: str
+) -> CompiledFunction:
+    main = functions[0]
     for parameter in given:
-        if parameter not in found[0].inputs:
+        if parameter not in main.inputs:
             raise InvalidValueError(
-                f"MATLAB function {found[0].name} has no input {parameter!r}",
-                advice=did_you_mean(parameter, found[0].inputs, "leave the parameter out"),
+                f"MATLAB function {main.name} has no input {parameter!r}",
+                advice=did_you_mean(parameter, main.inputs, "leave the parameter out"),
             )
     try:
         values = {parameter: inward(parameter, value) for parameter, value in given.items()}
     except MatlabError as fault:
-        raise located(fault, found[0].name, found[0].line) from None
-    return CompiledFunction(found, values, host, name)
-
-
-def _is_beside(host: Alone, name: str, file: File) -> bool:
-    try:
-        found = host.function_file(name, file)
-    except LackError:
-        return True  # the call says what is wrong with it
-    return found is not None and bool(found.functions)
+        raise located(fault, main.name, main.line) from None
+    return CompiledFunction(functions, values, host, name)

@@ -30,7 +30,6 @@ from drake_leg.simulink.matlab.compiling.kinds import (
     kind_of_value,
     sample,
 )
-from drake_leg.simulink.matlab.compiling.parts import checked
 from drake_leg.simulink.matlab.compiling.source import (
     COMPARISON,
     PRODUCT,
@@ -38,7 +37,7 @@ from drake_leg.simulink.matlab.compiling.source import (
     joined,
     literal,
 )
-from drake_leg.simulink.matlab.compiling.translation import Translation
+from drake_leg.simulink.matlab.compiling.translation import Translation, checked
 from drake_leg.simulink.matlab.data import Allowance
 from drake_leg.simulink.matlab.library import KNOWN
 from drake_leg.simulink.matlab.numeric import quiet

@@ -34,7 +34,7 @@ from drake_leg.simulink.matlab.compiling.kinds import (
     sample,
 )
 from drake_leg.simulink.matlab.compiling.source import called
-from drake_leg.simulink.matlab.compiling.translation import Translation
+from drake_leg.simulink.matlab.compiling.translation import Translation, checked
 from drake_leg.simulink.matlab.data import Allowance
 from drake_leg.simulink.matlab.numeric import ELEMENTS, MatlabError
 
@@ -235,20 +235,6 @@ def _of_known_size(
     return checked(t, piece, Numbers(_kind(base), tuple(map(int, shape))))
 
 
-def checked(t: Translation, piece: str, kind: Numbers) -> Code:
-    """Take a value that should be of a kind; if it is not, the call departs."""
-    name = "bool" if kind.kind == "bool" else "float"
-    if kind.shape is None:
-        return Code(kind, (t.temporary(called("real", piece)),), fresh=True)
-    if is_scalar(kind):
-        check = "logical" if kind.kind == "bool" else "number"
-        return Code(kind, (t.temporary(called(check, piece)),))
-    t.module.arrays = True
-    if is_small(kind):
-        return t.unpacked(called("spread", piece, name, repr(kind.shape)), kind)
-    return Code(kind, (t.temporary(called("array", piece, name, repr(kind.shape))),), fresh=True)
-
-
 # --- writing ----------------------------------------------------------------------------------
 
 
@@ -297,10 +283,9 @@ def _written_in_place(
     base = old.parts[0] if owned else t.temporary(called("copied", t.whole(old)))
     if at is None:
         numbers = [index.parts[0] for index in indices if index]
-        place = called("places", base, *numbers)
+        t.emit(f"{base}[{called('places', base, *numbers)}] = {number}")
     else:
-        place = ", ".join(map(str, at))
-    t.emit(f"{base}[{place}] = {number}")
+        t.emit(f"{base}[{', '.join(map(str, at))}] = {number}")
     return Code(old.kind, (base,), fresh=True)
 
 

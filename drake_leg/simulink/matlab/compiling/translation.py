@@ -21,13 +21,14 @@ from drake_leg.simulink.matlab.compiling.kinds import (
     Lost,
     Numbers,
     alike,
+    is_scalar,
     is_small,
     met,
     places,
     sample,
     variable,
 )
-from drake_leg.simulink.matlab.compiling.source import Lines, is_atom, is_long, safe
+from drake_leg.simulink.matlab.compiling.source import Lines, called, is_atom, is_long, safe
 from drake_leg.simulink.matlab.frames import File
 
 if TYPE_CHECKING:
@@ -215,3 +216,17 @@ class Translation:
     def whole(self, code: Code) -> str:
         """Write a value in one place."""
         return one_piece(code)
+
+
+def checked(t: Translation, piece: str, kind: Numbers) -> Code:
+    """Take a value that should be of a kind; if it is not, the call departs."""
+    name = "bool" if kind.kind == "bool" else "float"
+    if kind.shape is None:
+        return Code(kind, (t.temporary(called("real", piece)),), fresh=True)
+    if is_scalar(kind):
+        check = "logical" if kind.kind == "bool" else "number"
+        return Code(kind, (t.temporary(called(check, piece)),))
+    t.module.arrays = True
+    if is_small(kind):
+        return t.unpacked(called("spread", piece, name, repr(kind.shape)), kind)
+    return Code(kind, (t.temporary(called("array", piece, name, repr(kind.shape))),), fresh=True)
