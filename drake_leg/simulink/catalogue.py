@@ -527,7 +527,15 @@ Converter
 
 _SIMULINK |= without_table(_SIMULINK_WITHOUT_TABLE)
 
+_ROBOTICS: dict[str, Parameters] = {
+    "Coordinate Transformation Conversion": choices(
+        InputRepresentation="Axis-Angle", OutputRepresentation="Homogeneous Transformation"
+    ),
+}
+
 LIBRARIES: dict[str, dict[str, Parameters]] = {
+    "robotcorelib": _ROBOTICS,
+    "robotlib": _ROBOTICS,
     "sm_lib": MULTIBODY,
     "nesl_utility": _UTILITIES,
     "nesl_utility_internal": _UTILITIES,

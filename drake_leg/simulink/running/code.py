@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.running import operations
 from drake_leg.simulink.running.network import Node
 from drake_leg.simulink.running.settings import Settings, Signal, flat, shape_of
@@ -105,7 +106,12 @@ class Recorded:
 class Pen:
     """All that is written for a model: sections, constants, states, memory."""
 
-    def __init__(self, shapes: Mapping[str, tuple[int, ...]] | None = None) -> None:
+    def __init__(
+        self,
+        shapes: Mapping[str, tuple[int, ...]] | None = None,
+        folders: Folders | None = None,
+    ) -> None:
+        self.folders = folders  # where functions lie in files
         self.sections: list[Section] = []
         self.constants: dict[str, Any] = {}
         self.states: dict[str, State] = {}

@@ -191,7 +191,7 @@ class _Pass:
         network: SignalNetwork,
         shapes: Mapping[str, tuple[int, ...]],
     ) -> None:
-        self.pen = Pen(shapes)
+        self.pen = Pen(shapes, network.folders)
         self._nodes, self._order, self._rates = nodes, order, rates
         self._ports, self._network = ports, network
         self._gate_of: dict[str, str] = {}  # SID of a gate block -> its variable

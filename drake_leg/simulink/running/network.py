@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
+from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
-from drake_leg.simulink.model import Block, Function, Model, split_port
+from drake_leg.simulink.model import Block, Model, split_port
 from drake_leg.simulink.wiring import flatten
 
 GATES = ("EnablePort", "TriggerPort", "ActionPort")
@@ -41,7 +42,7 @@ class SignalNetwork:
     commands: Mapping[str, str]  # port of the mechanism -> port that drives it
     sensed: frozenset[str]  # ports of the mechanism that drive signals
     loops: tuple[Block, ...] = ()  # subsystems that iterate
-    functions: Mapping[str, Function] = field(default_factory=dict)
+    folders: Folders | None = None  # where functions lie in files
 
 
 def signal_network(model: Model, motions: frozenset[str] = frozenset()) -> SignalNetwork:
@@ -96,6 +97,7 @@ class _Reading:
             commands=commands,
             sensed=frozenset(sensed),
             loops=tuple(self._systems[sid] for sid in loops if sid in self._systems),
+            folders=self._model.variables and self._model.variables.workspace.folders,
         )
 
     def _has(self, sid: str) -> bool:

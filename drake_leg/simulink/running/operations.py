@@ -198,6 +198,59 @@ def cosines_of(angles: Array, order: str) -> Array:
     return found
 
 
+REPRESENTATIONS = (
+    "Axis-Angle",
+    "Euler Angles",
+    "Homogeneous Transformation",
+    "Quaternion",
+    "Rotation Matrix",
+    "Translation Vector",
+)
+
+
+def pose_of(representation: str, order: str, given: Signal, translation: Signal = 0.0) -> Array:
+    """Make a pose (4, 4) of a rotation, with a translation where one is given too."""
+    values = np.asarray(given, dtype=float)
+    pose = np.eye(4)
+    pose[:3, 3] = translation
+    if representation == "Homogeneous Transformation":
+        return values.reshape(4, 4)
+    if representation == "Translation Vector":
+        pose[:3, 3] = values.ravel()
+    elif representation == "Rotation Matrix":
+        pose[:3, :3] = values
+    elif representation == "Axis-Angle":
+        axis = values.ravel()
+        pose[:3, :3] = Rotation.from_rotvec(
+            axis[3] * axis[:3] / np.linalg.norm(axis[:3])
+        ).as_matrix()
+    elif representation == "Quaternion":
+        pose[:3, :3] = Rotation.from_quat(np.roll(values.ravel(), -1)).as_matrix()
+    else:
+        pose[:3, :3] = Rotation.from_euler(order, values.ravel()).as_matrix()
+    return pose
+
+
+def represented(pose: Array, representation: str, order: str) -> Array:
+    """Take a rotation, or a translation, out of a pose (4, 4)."""
+    if representation == "Homogeneous Transformation":
+        return pose
+    if representation == "Translation Vector":
+        return pose[:3, 3].copy()
+    if representation == "Rotation Matrix":
+        return pose[:3, :3].copy()
+    rotation = Rotation.from_matrix(pose[:3, :3])
+    if representation == "Quaternion":
+        return np.roll(rotation.as_quat(canonical=True), 1)
+    if representation == "Axis-Angle":
+        vector = rotation.as_rotvec()
+        angle = float(np.linalg.norm(vector))
+        axis = vector / angle if angle else np.array([0.0, 0.0, 1.0])
+        return np.append(axis, angle)
+    found: Array = rotation.as_euler(order)
+    return found
+
+
 def as_matrix(a: Signal) -> Array:
     """Make a signal a matrix; a vector is a column."""
     array = np.asarray(a, dtype=np.float64)

@@ -69,6 +69,8 @@ class Settings:
     def number(self, name: str, default: str | None = None) -> float:
         """Evaluate a parameter to one number."""
         found = self.matrix(name, default)
+        if not found.size and default is not None:
+            found = np.array([[float(default)]])
         if found.size != 1:
             raise InvalidValueError(
                 f"{self.about(name)} has {found.size} elements; it must be one number"

@@ -9,6 +9,7 @@ import numpy as np
 
 from drake_leg.simulink.matlab.checking import means_something
 from drake_leg.simulink.matlab.compiling import compiled
+from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.running.code import Operand, Writer
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.network import Node
@@ -19,9 +20,10 @@ from drake_leg.simulink.running.settings import Settings, Signal
 class Expression:
     """A MATLAB expression of some names, to be called with their values."""
 
-    def __init__(self, text: str, names: tuple[str, ...]) -> None:
+    def __init__(self, text: str, names: tuple[str, ...], folders: Folders | None = None) -> None:
         script = f"function y = f({', '.join(names)})\ny = {text};\n"
-        self.text, self._function = text, compiled(script, name=text)
+        self.text = text
+        self._function = compiled(script, name=text, functions=folders)
 
     def __call__(self, *values: Signal) -> Signal:
         """Evaluate it."""
@@ -32,7 +34,7 @@ class Expression:
 def expression_code(w: Writer, text: str, names: Mapping[str, Operand]) -> str:
     """Write the value of a MATLAB expression of some names."""
     given = {name: w.settings.evaluate(name, name) for name in _free_names(w, text, names)}
-    function = Expression(text, (*names, *given))
+    function = Expression(text, (*names, *given), w.pen.folders)
     constants = (w.constant(value, name) for name, value in given.items())
     arguments = ", ".join((*(one.code for one in names.values()), *constants))
     return f"{w.constant(function, 'expression')}({arguments})"
@@ -78,7 +80,12 @@ def matlab_function(w: Writer) -> None:
     script = w.node.script
     if not script.strip():
         raise w.fault("has no code in the file: save the model again in Simulink")
-    function = compiled(script, name=w.node.block.name, parameters=w.parameters_of_function())
+    function = compiled(
+        script,
+        name=w.node.block.name,
+        parameters=w.parameters_of_function(),
+        functions=w.pen.folders,
+    )
     name = w.constant(function, w.node.block.name)
     inputs = [w.input(place) for place in range(len(function.inputs))]
     arguments = ", ".join(one.code for one in inputs)

@@ -9,6 +9,7 @@ import numpy as np
 from drake_leg.simulink.matlab.data import Cell, numbers_of
 from drake_leg.simulink.running.code import Operand, Writer
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.kinds.routing import parts_of
 from drake_leg.simulink.running.settings import flat
 
 
@@ -56,7 +57,7 @@ def if_block(w: Writer) -> None:
     names = {f"u{place + 1}": one for place, one in enumerate(inputs)}
     conditions = [w.settings.text("IfExpression", "u1 > 0")]
     others = w.settings.text("ElseIfExpressions")
-    conditions += [part.strip() for part in _parts(others)] if others else []
+    conditions += parts_of(others) if others else []
     places = _action_places(w)
     taken = w.let("False", "chosen")
     for place, condition in enumerate(conditions):
@@ -71,18 +72,6 @@ def if_block(w: Writer) -> None:
 def _action_places(w: Writer) -> dict[int, int]:
     """Map the number of a branch to the place of its output."""
     return {int(port.rpartition(":")[2]) - 1: place for place, port in enumerate(w.node.outputs)}
-
-
-def _parts(text: str) -> list[str]:
-    """Split conditions at the commas outside of parentheses."""
-    found, depth = [""], 0
-    for sign in text:
-        depth += (sign in "([") - (sign in ")]")
-        if sign == "," and not depth:
-            found.append("")
-        else:
-            found[-1] += sign
-    return found
 
 
 def _condition(w: Writer, text: str, names: dict[str, Operand]) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.operations import REPRESENTATIONS
 from drake_leg.simulink.running.settings import as_signal
 
 _SIGNS = re.compile(r"[+\-*/]")
@@ -353,7 +354,11 @@ def diagonal(w: Writer) -> None:
 def angles_of_matrix(w: Writer) -> None:
     """Take the angles [rad] of a direction cosine matrix, in the order that is set."""
     order = w.settings.text("rotationOrder", "ZYX")
-    made = w.let(f"angles_of({w.numeric().code}, '{order}')", "angles")
+    code = f"angles_of({w.numeric().code}, '{order}')"
+    if len(w.node.outputs) == 1:
+        w.out(code)
+        return
+    made = w.let(code, "angles")
     for place in range(3):
         w.out(f"float({made.code}[{place}])", place)
 
@@ -392,3 +397,19 @@ def real_part(w: Writer) -> None:
         codes = {"Magnitude": both[:1], "Angle": both[1:]}.get(shown, both)
     for place, code in enumerate(codes):
         w.out(code, place)
+
+
+@kind("Coordinate Transformation Conversion")
+def transformation(w: Writer) -> None:
+    """Convert a rotation, or a pose, from one representation to another."""
+    s = w.settings
+    a, b = s.text("InputRepresentation"), s.text("OutputRepresentation")
+    orders = s.text("InputEulerSequence", "ZYX"), s.text("OutputEulerSequence", "ZYX")
+    for name in (a, b):
+        if name not in REPRESENTATIONS:
+            raise w.fault(f"converts {name!r}, which does not run")
+    inputs = ", ".join(w.numeric(place).code for place in range(w.count))
+    pose = w.let(f"pose_of({a!r}, {orders[0]!r}, {inputs})", "pose")
+    w.out(f"represented({pose.code}, {b!r}, {orders[1]!r})", 0)
+    if len(w.node.outputs) > 1:
+        w.out(f"{pose.code}[:3, 3].copy()", 1)

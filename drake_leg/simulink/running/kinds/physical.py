@@ -92,7 +92,7 @@ def to_signal(w: Writer) -> None:
     """Make a physical signal one of Simulink's, in the unit that is set."""
     factor, offset = _scale(w, inwards=False)
     u = w.numeric()
-    if w.settings.text("VectorFormat", "inherit") == "1-D array" and shape_of(u.value):
+    if w.settings.text("VectorFormat", "inherit") == "1-D array" and 1 in shape_of(u.value):
         u = w.as_vector(u)
     w.put(u if (factor, offset) == (1.0, 0.0) else w.let(_scaled(u.code, factor, offset)))
 

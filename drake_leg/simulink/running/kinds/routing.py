@@ -207,12 +207,21 @@ def selector(w: Writer) -> None:
 
 
 def _index_texts(w: Writer, dimensions: int) -> list[str]:
-    many = w.settings.text("IndexParamArray")
-    if many:
-        return list(many.split("|||")) if "|||" in many else [many] * dimensions
     single = w.settings.text("Indices", "[1 3]")
-    parts = [part.strip() for part in single.split(",")] if dimensions > 1 else [single]
+    parts = parts_of(single) if dimensions > 1 else [single]
     return parts if len(parts) == dimensions else [single] * dimensions
+
+
+def parts_of(text: str) -> list[str]:
+    """Split a text at the commas outside of brackets."""
+    found, depth = [""], 0
+    for sign in text:
+        depth += (sign in "([{") - (sign in ")]}")
+        if sign == "," and not depth:
+            found.append("")
+        else:
+            found[-1] += sign
+    return [part.strip() for part in found]
 
 
 def _sizes(w: Writer) -> list[str]:
