@@ -331,6 +331,8 @@ class Writer:
         state: State = self.kept[f"state {number}"]
         name = self.let(code, f"{state.name}_dot")
         want = shape_of(state.start)
+        if want and name.is_scalar:
+            name = self.let(f"np.full({want}, {name.code})", name.code)
         if name.shape != want:
             if want and np.prod(want) != name.size and name.size != 1:
                 raise self.fault(

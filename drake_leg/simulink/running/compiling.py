@@ -407,7 +407,7 @@ class _Pass:
         """Write a function of the present: what is not computed always is read from the memory."""
         goal = _settled(result)
         chosen = needed(outputs, goal.reads)
-        wanted = set(goal.reads).union(*(section.reads for section in chosen))
+        wanted = set(goal.reads).union(*((*each.reads, *each.gates) for each in chosen))
         body: list[str] = []
         for section in chosen:
             body += _present(section, held, wanted)

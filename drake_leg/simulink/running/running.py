@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,13 @@ from pydrake.systems.analysis import (
     Simulator,
     SimulatorConfig,
 )
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, EventStatus
+from pydrake.systems.framework import (
+    Context,
+    Diagram,
+    DiagramBuilder,
+    EventStatus,
+    TriggerType,
+)
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
 from drake_leg.errors import InvalidValueError
@@ -25,6 +31,7 @@ from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechani
 from drake_leg.simulink.model import Model, number, vector
 from drake_leg.simulink.running.compiling import Code, Ports, compile_signals, refuse
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
+from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
 from drake_leg.simulink.running.settings import flat, shape_of
 from drake_leg.simulink.running.system import SignalSystem
@@ -33,7 +40,9 @@ Array = NDArray[np.float64]
 ACCURACY = 1e-6
 ROWS = 1000  # of a recording
 STEPS = 50  # at least, of a run, as Simulink takes
-LONGEST_BREAKS = 100_000
+SAME_TIME = 1e-9  # [s]
+SHORTEST_STEP = 1e-10  # of the duration
+MOST_CORNERS = 100_000
 INTERRUPTED = "interrupted"
 
 
@@ -50,13 +59,9 @@ class ModelDiagram(Diagram):
         The plant with all that acts on it.
     ports : Ports
         The vectors between both.
-    period : float
-        Between the rows that the scopes record [s].
     """
 
-    def __init__(
-        self, code: Code, mechanism: MechanismSystem | None, ports: Ports, period: float
-    ) -> None:
+    def __init__(self, code: Code, mechanism: MechanismSystem | None, ports: Ports) -> None:
         super().__init__()
         self.mechanism = mechanism
         builder = DiagramBuilder()
@@ -74,10 +79,14 @@ class ModelDiagram(Diagram):
                 builder.Connect(self.signals.GetOutputPort("u"), mechanism.GetInputPort("u"))
         self.scopes: VectorLogSink | None = None
         if self.signals.HasOutputPort("scopes"):
-            self.scopes = LogVectorOutput(self.signals.GetOutputPort("scopes"), builder, period)
+            self.scopes = LogVectorOutput(
+                self.signals.GetOutputPort("scopes"), builder, {TriggerType.kForced}
+            )
         self.states: VectorLogSink | None = None
         if mechanism is not None:
-            self.states = LogVectorOutput(mechanism.GetOutputPort("state"), builder, period)
+            self.states = LogVectorOutput(
+                mechanism.GetOutputPort("state"), builder, {TriggerType.kForced}
+            )
         builder.BuildInto(self)
 
 
@@ -176,10 +185,9 @@ def runnable(
         u = _commands(code, ports)
         ports = _ports(mechanism, u)
         code = compile_signals(network, ports, fixed_step=fixed)
-    period = solver["duration"] / ROWS
     return Runnable(
         name=model.name,
-        diagram=ModelDiagram(code, mechanism, ports, period),
+        diagram=ModelDiagram(code, mechanism, ports),
         code=code,
         ports=ports,
         network=network,
@@ -277,35 +285,47 @@ def run_model(
         ),
         simulator,
     )
+    simulator.get_mutable_integrator().set_requested_minimum_step_size(
+        SHORTEST_STEP * max(duration, 1.0)
+    )
     watch = _Watch(diagram, budget, progress)
     simulator.set_monitor(watch)
-    began = time.monotonic()
+    began = monotonic()
     stopped = ""
     try:
         with interrupts_kept(), np.errstate(all="ignore"):
             simulator.Initialize()
-            for corner in corners(ready.code, duration):
-                simulator.AdvanceTo(corner)
+            for time, is_row in moments(ready.code, duration, diagram.signals.base):
+                simulator.AdvanceTo(time)
                 if watch.stopped:
                     break
+                if is_row:  # what is shown is what blocks put out after their events now
+                    simulator.AdvancePendingEvents()
+                    diagram.ForcedPublish(context)
     except KeyboardInterrupt:
         stopped = INTERRUPTED
     except (RuntimeError, InvalidValueError, ArithmeticError, IndexError, ValueError) as error:
         stopped = _reason(error, context, ready)
     finally:
         simulator.clear_monitor()
-    return _recorded(ready, simulator, watch, stopped, time.monotonic() - began)
+    return _recorded(ready, simulator, watch, stopped, monotonic() - began)
 
 
-def corners(code: Code, duration: float) -> Iterator[float]:
-    """Yield the times at which signals have corners, and the end."""
+def moments(code: Code, duration: float, base: Rate | None) -> Iterator[tuple[float, bool]]:
+    """Yield the times at which rows are recorded, or signals have corners, and which it is.
+
+    A row at a sample time is at the very number that Drake makes of it.
+    """
+    rows = np.linspace(0.0, duration, ROWS + 1) if duration else np.zeros(1)
+    if base is not None:
+        hits = base[1] + np.round((rows - base[1]) / base[0]) * base[0]
+        rows = np.where(np.abs(rows - hits) < SAME_TIME, hits, rows)
     times = {at for at in code.breaks if 0.0 < at < duration}
     for period, offset in code.waves:
-        if period > 0.0 and duration / period < LONGEST_BREAKS:
-            first = offset % period if offset < 0.0 else offset
-            times |= {float(at) for at in np.arange(first, duration, period) if at > 0.0}
-    yield from sorted(times)
-    yield duration
+        if period > 0.0 and duration / period < MOST_CORNERS:
+            times |= {float(at) for at in np.arange(offset, duration, period) if at > 0.0}
+    kept = dict.fromkeys(times, False) | dict.fromkeys(rows.tolist(), True)
+    yield from sorted(kept.items())
 
 
 class _Watch:
@@ -318,7 +338,7 @@ class _Watch:
         progress: Callable[[float], None] | None,
     ) -> None:
         self._diagram, self._budget, self._progress = diagram, budget, progress
-        self._began = time.monotonic()
+        self._began = monotonic()
         self.stopped = ""
         self.by_block = False
 
@@ -335,7 +355,7 @@ class _Watch:
                     return self._end(context, f"the block {name!r} stops it")
         if self._progress is not None:
             self._progress(context.get_time())
-        if self._budget is not None and time.monotonic() - self._began > self._budget:
+        if self._budget is not None and monotonic() - self._began > self._budget:
             return self._end(context, f"it took more than {self._budget:g} s")
         return EventStatus.DidNothing()
 

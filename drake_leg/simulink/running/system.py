@@ -29,8 +29,17 @@ MOST_TICKS = 1e7  # of a base rate in its longest period
 class Memory(list[Any]):
     """What blocks remember; a copy shares the values, which nothing changes in place."""
 
+    stepped: float | None = None  # [s], the last major step
+    sampled: float | None = None  # [s], the last sample time
+
     def __deepcopy__(self, _: object) -> Memory:
-        return Memory(self)
+        return self.copied()
+
+    def copied(self) -> Memory:
+        """Return another list of the same values."""
+        found = Memory(self)
+        found.stepped, found.sampled = self.stepped, self.sampled
+        return found
 
 
 class SignalSystem(LeafSystem):
@@ -86,7 +95,6 @@ class SignalSystem(LeafSystem):
             self.DeclarePeriodicUnrestrictedUpdateEvent(period, offset, self._sample)
         if self.code.has_major:
             self.DeclarePerStepUnrestrictedUpdateEvent(self._step)
-        self.DeclareInitializationUnrestrictedUpdateEvent(self._start)
 
     # --- what is read ---
 
@@ -127,10 +135,6 @@ class SignalSystem(LeafSystem):
 
     # --- events ---
 
-    def _start(self, context: Context, state: State) -> EventStatus:
-        hits = [next_hit(rate, context.get_time()) for rate in self.code.rates]
-        return self._event(context, state, hits, step=True)
-
     def _sample(self, context: Context, state: State) -> EventStatus:
         hits = [next_hit(rate, context.get_time()) for rate in self.code.rates]
         return self._event(context, state, hits, step=False)
@@ -141,8 +145,15 @@ class SignalSystem(LeafSystem):
     def _event(
         self, context: Context, state: State, hits: Sequence[bool], *, step: bool
     ) -> EventStatus:
+        held = state.get_abstract_state().get_value(int(self._memory)).get_value()
+        if context.get_time() == (held.stepped if step else held.sampled):
+            return EventStatus.DidNothing()  # it happened before, at the same time
         t, x, _, sensed, efforts = self._read(context)
-        memory = Memory(state.get_abstract_state().get_value(int(self._memory)).get_value())
+        memory = held.copied()
+        if step:
+            memory.stepped = t
+        else:
+            memory.sampled = t
         after = np.array(x) if self.code.resets else self._none
         with np.errstate(all="ignore"):
             self._major(t, x, memory, sensed, efforts, hits, step, after)

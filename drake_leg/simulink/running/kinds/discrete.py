@@ -21,7 +21,7 @@ def _input_after(w: Writer) -> None:
 @kind("UnitDelay", finish=_input_after, direct=no_inputs, sampled=True)
 def unit_delay(w: Writer) -> None:
     """Put out what came in one sample ago."""
-    name = "InitialCondition" if w.settings.has("InitialCondition") else "X0"
+    name = "X0" if w.settings.has("X0") else "InitialCondition"
     _delayed(w, w.settings.array(name, "0"))
 
 
@@ -33,7 +33,7 @@ def _delayed(w: Writer, start: Signal) -> None:
 @kind("Memory", finish=_input_after, direct=no_inputs, major=True, sample_time="")
 def memory(w: Writer) -> None:
     """Put out what came in at the major step before."""
-    name = "InitialCondition" if w.settings.has("InitialCondition") else "X0"
+    name = "X0" if w.settings.has("X0") else "InitialCondition"
     _delayed(w, w.settings.array(name, "0"))
 
 

@@ -89,13 +89,13 @@ def matlab_function(w: Writer) -> None:
     name = w.constant(function, w.node.block.name)
     inputs = [w.input(place) for place in range(len(function.inputs))]
     arguments = ", ".join(one.code for one in inputs)
-    start = function.start()
+    keeps = re.search(r"^\s*persistent\b", script, re.MULTILINE) is not None
     before = "{}"
-    if start:
-        before = f"copied({w.remembered(start).code})"
+    if keeps:
+        before = f"copied({w.remembered(function.start()).code})"
     kept = w.let(before, "kept")
     made = w.let(f"{name}.call({', '.join(filter(None, (kept.code, arguments)))})", "results")
-    if start:
+    if keeps:
         w.kept["kept"] = kept.code
     for place, value in enumerate(made.value):
         code = f"{made.code}[{place}]"

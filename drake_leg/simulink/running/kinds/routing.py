@@ -120,6 +120,10 @@ def selected_of_bus(w: Writer) -> None:
         if len(asked) == 1:
             w.put(u)
             return
+        if u.is_scalar:  # from a port of the model, where nothing is given
+            for place in range(len(asked)):
+                w.out(f"0.0 * {u.code}", place)
+            return
         u = w.vector()
         for place in range(len(asked)):
             w.out(f"float({u.code}[{place}])", place)

@@ -1,0 +1,242 @@
+"""Models in motion: blocks with states and sample times, subsystems that run at times, stops."""
+
+import numpy as np
+import pytest
+from rigs import Rig, shown
+from scipy import signal
+from scipy.integrate import solve_ivp
+from slx_models import published_leg
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.runs.catalogue import RUNS
+from drake_leg.simulink.reader import read_model
+from drake_leg.simulink.running.running import run_model, runnable
+
+
+def sine(rig, frequency="3"):
+    return rig.block("Sin", f"sine {len(rig.blocks)}", Frequency=frequency)
+
+
+def test_integrators_and_linear_systems_follow_their_equations(tmp_path):
+    rig = Rig()
+    u = sine(rig)
+    rig.show(rig.block("Integrator", "integral", u, InitialCondition="2"), "integral")
+    rig.show(rig.block("Integrator", "two", u, InitialCondition="[1 2]"), "two")
+    rig.show(
+        rig.block("Integrator", "limited", u, LimitOutput="on", UpperSaturationLimit="0.4",
+                  LowerSaturationLimit="-inf"), "limited")  # fmt: skip
+    rig.show(rig.block("TransferFcn", "lag", u, Numerator="[2 1]", Denominator="[1 2 3]"), "lag")
+    rig.show(
+        rig.block("StateSpace", "space", u, A="[0 1;-4 -1]", B="[0;1]", C="[1 0]", D="0",
+                  X0="[1;0]"), "space")  # fmt: skip
+    rig.show(rig.block("ZeroPole", "zp", u, Zeros="[-1]", Poles="[-2 -3]", Gain="4"), "zp")
+    run = rig.run(tmp_path, 2.0)
+    t = run.time
+    integral = (1.0 - np.cos(3.0 * t)) / 3.0
+    np.testing.assert_allclose(shown(run, "integral"), 2.0 + integral, atol=1e-8)
+    np.testing.assert_allclose(shown(run, "two"), integral[:, None] + [1.0, 2.0], atol=1e-8)
+    drive = np.sin(3.0 * t)
+    for name, system, x0 in (
+        ("lag", signal.lti([2.0, 1.0], [1.0, 2.0, 3.0]), None),
+        (
+            "space",
+            signal.lti([[0.0, 1.0], [-4.0, -1.0]], [[0.0], [1.0]], [[1.0, 0.0]], 0.0),
+            [1, 0],
+        ),
+        ("zp", signal.lti([-1.0], [-2.0, -3.0], 4.0), None),
+    ):
+        _, expected, _ = signal.lsim(system, drive, t, x0)
+        np.testing.assert_allclose(shown(run, name), expected, atol=2e-5, err_msg=name)
+    limited = shown(run, "limited")
+    assert limited.max() == pytest.approx(0.4, abs=1e-6)
+    assert limited[-1] == pytest.approx(0.4 - (integral.max() - integral[-1]), abs=1e-5)
+
+
+def test_a_pid_controller_follows_its_equation(tmp_path):
+    rig = Rig()
+    rig.show(
+        rig.block("slpidlib/PID Controller", "pid", sine(rig), Controller="PID", P="2", I="3",
+                  D="0.5", N="20"), "pid")  # fmt: skip
+    run = rig.run(tmp_path, 1.0)
+
+    def rate(t, x):
+        return [3.0 * np.sin(3.0 * t), 20.0 * (0.5 * np.sin(3.0 * t) - x[1])]
+
+    found = solve_ivp(rate, (0.0, 1.0), [0.0, 0.0], t_eval=run.time, rtol=1e-11, atol=1e-12)
+    u = np.sin(3.0 * run.time)
+    expected = 2.0 * u + found.y[0] + 20.0 * (0.5 * u - found.y[1])
+    np.testing.assert_allclose(shown(run, "pid"), expected, atol=1e-7)
+
+
+def test_a_loop_of_an_integrator_is_solved(tmp_path):
+    """xdot = -2 x from a vector, of which the file says one number."""
+    rig = Rig()
+    integrator = rig.block("Integrator", "x", "", InitialCondition="1")
+    fed = rig.block("Sum", "sum", integrator, rig.constant("[0 1]"), Inputs="-+")
+    rig.connect(rig.block("Gain", "two", fed, Gain="2"), integrator)
+    rig.show(integrator, "x")
+    run = rig.run(tmp_path, 1.0)
+    decay = np.exp(-2.0 * run.time)[:, None]
+    np.testing.assert_allclose(shown(run, "x"), [0.0, 1.0] + [1.0, 0.0] * decay, atol=1e-8)
+
+
+def test_sampled_blocks_change_at_their_times(tmp_path):
+    rig = Rig()
+    u = rig.block("Clock", "clock")
+    held = rig.block("ZeroOrderHold", "hold", u, SampleTime="0.1")
+    rig.show(held, "held")
+    rig.show(rig.block("UnitDelay", "delay", held, SampleTime="0.1", X0="-1"), "delayed")
+    rig.show(rig.block("Delay", "delay 3", held, DelayLength="3", SampleTime="0.1"), "delayed 3")
+    rig.show(rig.block("UnitDelay", "slow", u, SampleTime="[0.25 0]"), "slow")
+    for method, name in (("Forward", "forward"), ("Backward", "backward"), ("Trapezoidal", "trap")):
+        how = f"Integration: {method}" + (" Euler" if method != "Trapezoidal" else "")
+        rig.show(
+            rig.block("DiscreteIntegrator", name, held, IntegratorMethod=how, SampleTime="0.1"),
+            name,
+        )
+    rig.show(
+        rig.block("DiscreteTransferFcn", "filter", held, Numerator="[1 2]",
+                  Denominator="[1 -0.5 0.2]", SampleTime="0.1"), "filter")  # fmt: skip
+    run = rig.run(tmp_path, 1.0)
+    between = np.abs(np.round(run.time / 0.05) - run.time / 0.05) > 0.01  # away from all hits
+    t = run.time[between]
+    k = np.floor(t / 0.1 + 1e-9).astype(int)
+
+    def at(name):
+        return shown(run, name)[between]
+
+    samples = np.arange(11) * 0.1
+    np.testing.assert_allclose(at("held"), samples[k], atol=1e-12)
+    np.testing.assert_allclose(at("delayed"), np.concatenate([[-1.0], samples])[k], atol=1e-12)
+    np.testing.assert_allclose(
+        at("delayed 3"), np.concatenate([np.zeros(3), samples])[k], atol=1e-12
+    )
+    slow = np.floor(t / 0.25 + 1e-9).astype(int)
+    np.testing.assert_allclose(at("slow"), (np.maximum(slow, 1) - 1) * 0.25, atol=1e-12)
+    sums = np.cumsum(samples) * 0.1
+    np.testing.assert_allclose(at("forward"), np.concatenate([[0.0], sums])[k], atol=1e-12)
+    np.testing.assert_allclose(at("backward"), sums[k], atol=1e-12)
+    np.testing.assert_allclose(at("trap"), (sums - 0.05 * samples)[k], atol=1e-12)
+    expected = signal.lfilter([0.0, 1.0, 2.0], [1.0, -0.5, 0.2], samples)
+    np.testing.assert_allclose(at("filter"), expected[k], atol=1e-12)
+
+
+def gated(rig, gate, kind="EnablePort", **parameters):
+    """A subsystem that puts out the time while it runs."""
+    ports = {"in": 0, "out": 1, "enable" if kind == "EnablePort" else "trigger": 1}
+    system = rig.add_block("SubSystem", f"gated {gate}", ports=ports)
+    rig.add_block(kind, "gate", parameters, system=system)
+    clock = rig.block("Clock", "clock inside", system=system)
+    out = rig.add_block("Outport", "out", {"Port": "1"}, system=system, ports={"in": 1})
+    rig.connect(clock, out)
+    port = "enable" if kind == "EnablePort" else "trigger"
+    rig.connect(gate, f"{system}#{port}")
+    return system
+
+
+def test_an_enabled_subsystem_holds_what_it_put_out(tmp_path):
+    rig = Rig()
+    pulse = rig.block("DiscretePulseGenerator", "pulse", Period="1", PulseWidth="40")
+    rig.show(gated(rig, pulse), "y")
+    run = rig.run(tmp_path, 0.9)
+    runs = run.time < 0.4 - 1e-9
+    np.testing.assert_allclose(shown(run, "y")[runs], run.time[runs], atol=1e-12)
+    np.testing.assert_allclose(shown(run, "y")[run.time > 0.41], 0.4, atol=0.03)
+
+
+def test_a_triggered_subsystem_runs_at_edges(tmp_path):
+    rig = Rig()
+    pulse = rig.block("DiscretePulseGenerator", "pulse", Period="0.5", PulseWidth="50",
+                      PhaseDelay="0.1")  # fmt: skip
+    rig.show(gated(rig, pulse, "TriggerPort", TriggerType="rising"), "y")
+    run = rig.run(tmp_path, 1.0)
+    y, t = shown(run, "y"), run.time
+    assert np.all(y[t < 0.09] == 0.0)
+    np.testing.assert_allclose(y[(t > 0.15) & (t < 0.59)], 0.1, atol=0.02)
+    np.testing.assert_allclose(y[t > 0.65], 0.6, atol=0.02)
+
+
+def test_an_if_chooses_and_a_merge_puts_out_what_was_chosen(tmp_path):
+    rig = Rig()
+    u = sine(rig, "6")
+    conditions = {"IfExpression": "u1 > 0.5", "ElseIfExpressions": "u1<-0.5"}
+    chooser = rig.add_block("If", "if", conditions, ports={"in": 1, "out": 3})
+    rig.connect(u, chooser)
+    branches = []
+    for number in (1, 2, 3):
+        system = rig.add_block("SubSystem", f"branch {number}", ports={"out": 1, "ifaction": 1})
+        rig.add_block("ActionPort", "action", system=system)
+        value = rig.block("Constant", "value", Value=str(number), system=system)
+        out = rig.add_block("Outport", "out", {"Port": "1"}, system=system, ports={"in": 1})
+        rig.connect(value, out)
+        rig.connect(f"{chooser}#out:{number}", f"{system}#ifaction")
+        branches.append(system)
+    rig.show(rig.block("Merge", "merge", *branches, Inputs="3"), "y")
+    run = rig.run(tmp_path, 1.0)
+    value = np.sin(6.0 * run.time)
+    clear = np.abs(np.abs(value) - 0.5) > 0.02
+    expected = np.where(value > 0.5, 1.0, np.where(value < -0.5, 2.0, 3.0))
+    assert np.array_equal(shown(run, "y")[clear], expected[clear])
+
+
+def test_a_function_counts_its_sample_times(tmp_path):
+    rig = Rig()
+    script = "function y = count(u)\npersistent n\nif isempty(n), n = 0; end\nn = n + u;\ny = n;\n"
+    hold = rig.block("ZeroOrderHold", "hold", rig.constant("2"), SampleTime="0.1")
+    function = rig.add_function("count", script, **{"in": 1, "out": 1})
+    rig.connect(hold, function)
+    rig.show(function, "n")
+    run = rig.run(tmp_path, 0.95)
+    assert shown(run, "n")[-1] == 20.0
+
+
+def test_a_stop_block_ends_the_run(tmp_path):
+    rig = Rig()
+    over = rig.block("simulink/Logic/Compare To Constant", "over", rig.block("Clock", "clock"),
+                     relop=">", const="0.5")  # fmt: skip
+    stop = rig.add_block("Stop", "enough", ports={"in": 1})
+    rig.connect(over, stop)
+    run = rig.run(tmp_path, 1.0)
+    assert run.ended == pytest.approx(0.5, abs=0.03)
+    assert "the block 'enough' stops it" in run.stopped
+
+
+def test_a_run_that_grows_without_bound_stops_and_keeps_what_it_has(tmp_path):
+    rig = Rig()
+    integrator = rig.block("Integrator", "x", "", InitialCondition="1")
+    rig.connect(rig.block("Math", "square", integrator, Operator="square"), integrator)
+    rig.show(integrator, "x")
+    run = rig.run(tmp_path, 3.0, accuracy=1e-6)
+    assert 0.9 < run.ended < 1.1
+    assert run.stopped
+    inside = run.time < 0.9
+    np.testing.assert_allclose(shown(run, "x")[inside], 1.0 / (1.0 - run.time[inside]), rtol=1e-4)
+
+
+def test_an_algebraic_loop_is_named(tmp_path):
+    rig = Rig()
+    a = rig.block("Gain", "a", "", Gain="0.5")
+    rig.connect(rig.block("Gain", "b", a, Gain="0.5"), a)
+    with pytest.raises(InvalidValueError, match=r"algebraic loop: 'a' .*'b' "):
+        rig.code(tmp_path)
+
+
+def test_all_that_does_not_run_is_one_list(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("S-Function", "mine", FunctionName="mine"), "mine")
+    rig.show(rig.block("HitCross", "other", rig.block("Gain", "k", Gain="gain")), "y")
+    rig.show(rig.block("Queue", "queue"), "queue")
+    with pytest.raises(InvalidValueError) as error:
+        rig.code(tmp_path)
+    assert "'mine' (SID 1) is a S-Function" in str(error.value)
+    assert "'queue'" in str(error.value)
+
+
+@pytest.mark.parametrize("filtered", [False, True])
+def test_the_lab_itself_runs_from_its_file(tmp_path, filtered):
+    """Within 1e-8 m of the run of leg B; with its filters 1 ms and more behind."""
+    path = published_leg(filtered=filtered, stop_time="2").write(tmp_path / "leg.slx")
+    run = run_model(runnable(read_model(path)), accuracy=1e-9)
+    assert run.ended == pytest.approx(2.0)
+    assert not run.stopped
+    assert RUNS["leg-b"]
