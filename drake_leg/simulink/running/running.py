@@ -299,8 +299,9 @@ def run_model(
                 simulator.AdvanceTo(time)
                 if watch.stopped:
                     break
-                if is_row:  # what is shown is what blocks put out after their events now
-                    simulator.AdvancePendingEvents()
+                if is_row:
+                    if diagram.signals.has_events:
+                        simulator.AdvancePendingEvents()  # shown is what blocks put out after them
                     diagram.ForcedPublish(context)
     except KeyboardInterrupt:
         stopped = INTERRUPTED

@@ -90,6 +90,7 @@ class SignalSystem(LeafSystem):
     def _declare_events(self) -> None:
         """Let the sampled blocks run at their times, and others at every major step."""
         self.base: Rate | None = base_rate(self.code.rates)
+        self.has_events = self.base is not None or self.code.has_major
         if self.base is not None:
             period, offset = self.base
             self.DeclarePeriodicUnrestrictedUpdateEvent(period, offset, self._sample)
