@@ -10,7 +10,7 @@ from shutil import copy
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.model_files import opened
+from drake_leg.cli.model_files import as_many, opened
 from drake_leg.cli.terminal import fail, refuse_ignored, remark
 from drake_leg.files import ResultsFolder, check_file, write_text
 
@@ -126,6 +126,7 @@ def taken_from(used: Sequence[Suggestion]) -> list[str]:
     """Say which scripts gave values that nobody named."""
     return [
         f"{_some(script.names)} taken from {script.path}: give --init to choose another file"
+        f"{as_many(script)}"
         for script in used
     ]
 

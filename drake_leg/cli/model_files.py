@@ -15,10 +15,12 @@ from drake_leg.simulink import ENDINGS
 
 if TYPE_CHECKING:
     from drake_leg.simulink.model import Model
+    from drake_leg.simulink.suggestions import Suggestion
 
 
 CONTACTS = ("smooth", "pulling")
 _SHOWN = 8  # names that a script sets
+_OTHERS = 2  # files that set as many
 _NEXT = re.compile(r",(?=\s*[A-Za-z]\w*\s*=(?!=))")  # between two settings
 
 
@@ -143,8 +145,19 @@ def asked_for(model: Model) -> list[str]:
     return [
         "",
         f"perhaps --init {shlex.quote(printable(str(hint.path)))}",
-        f"  which sets {sets}{more}; or give each name a value: --set {first}=1",
+        f"  which sets {sets}{more}{as_many(hint)}; or give each name a value: --set {first}=1",
     ]
+
+
+def as_many(hint: Suggestion) -> str:
+    """Name the files that would do as well as the one that is suggested."""
+    from drake_leg.simulink.listing import printable
+
+    if not hint.others:
+        return ""
+    shown = ", ".join(printable(str(path)) for path in hint.others[:_OTHERS])
+    more = f" and {len(hint.others) - _OTHERS} more" if len(hint.others) > _OTHERS else ""
+    return f" ({shown}{more} would set as many)"
 
 
 def variables_in(settings: Sequence[str]) -> dict[str, str]:

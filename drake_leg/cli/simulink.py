@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
+from drake_leg.cli.mechanisms import taken_from
 from drake_leg.cli.model_files import add_model_options, asked_for, is_model, opened
 from drake_leg.cli.run import add_run_options, fields_by_name, options_of
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
@@ -21,6 +22,8 @@ from drake_leg.runs.options import IntegratedOptions, RunOptions
 
 if TYPE_CHECKING:
     from drake_leg.simulink.compare.findings import Comparison
+    from drake_leg.simulink.model import Model
+    from drake_leg.simulink.suggestions import Suggestion
 
 ONLY_OF_RUNS = ("max_step", "accuracy", "force", "stiffness")  # options that change no diagram
 NO_EFFECT = "has no effect on compare, which simulates nothing"
@@ -123,11 +126,44 @@ def _two_models(chosen: argparse.Namespace) -> Comparison:
         | {"--config": chosen.config is not None},
         "is for runs and means nothing to two models",
     )
-    first, second = (opened(Path(path), chosen) for path in (chosen.model, chosen.name))
+    second = Path(chosen.name)
+
+    def compared(models: Sequence[Model]) -> Comparison:
+        return compare_models(models[0], models[1], second.name, strict=chosen.strict)
+
+    return _with_values((chosen.model, second), chosen, compared)
+
+
+def _with_values(
+    paths: Sequence[Path],
+    chosen: argparse.Namespace,
+    compare: Callable[[Sequence[Model]], Comparison],
+) -> Comparison:
+    """Open models and compare them.
+
+    Where values are missing and no script was named, those are taken that a person would run.
+    """
+    from drake_leg.simulink.suggestions import with_scripts
+
+    models = [opened(path, chosen) for path in paths]
+    used: list[Suggestion] = []
     try:
-        return compare_models(first, second, Path(chosen.name).name, strict=chosen.strict)
+        try:
+            found = compare(models)
+        except InvalidValueError:
+            if chosen.init:
+                raise
+            for place, path in enumerate(paths):
+                models[place], scripts = with_scripts(models[place], partial(opened, path, chosen))
+                used += scripts
+            found = compare(models)
     except InvalidValueError as error:
-        raise InvalidValueError(f"{chosen.model} or {chosen.name}: {error}") from None
+        if len(paths) > 1:
+            raise  # it says of which model it speaks
+        raise InvalidValueError(f"{paths[0]}: {error}") from None
+    for sentence in taken_from(used):
+        remark(sentence)
+    return found
 
 
 def _model_and_run(chosen: argparse.Namespace) -> Comparison:
@@ -138,7 +174,6 @@ def _model_and_run(chosen: argparse.Namespace) -> Comparison:
     _refuse_options_of_runs(kind, options, chosen)
     from drake_leg.simulink.compare.compare import LiveModel, compare
 
-    model = opened(chosen.model, chosen)
     if not isinstance(options, IntegratedOptions):
         raise InvalidValueError(
             f"{chosen.name} is a walk, of which no Simulink model is known",
@@ -154,10 +189,11 @@ def _model_and_run(chosen: argparse.Namespace) -> Comparison:
         duration=options.duration,
         scheme=options.integrator,
     )
-    try:
-        return compare(model, live, strict=chosen.strict)
-    except InvalidValueError as error:
-        raise InvalidValueError(f"{chosen.model}: {error}") from None
+
+    def compared(models: Sequence[Model]) -> Comparison:
+        return compare(models[0], live, strict=chosen.strict)
+
+    return _with_values((chosen.model,), chosen, compared)
 
 
 def _refuse_options_of_runs(kind: RunKind, options: RunOptions, chosen: argparse.Namespace) -> None:

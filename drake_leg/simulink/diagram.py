@@ -104,6 +104,7 @@ class Diagram:
     functions: list[Function] = field(default_factory=list)
     commented: set[str] = field(default_factory=set)  # SIDs of blocks commented out, and inside
     through: dict[str, DrawnBlock] = field(default_factory=dict)  # of them, those that are wires
+    models: dict[str, SimulinkFile] = field(default_factory=dict)  # by the SIDs of their blocks
 
 
 def read_diagram(file: SimulinkFile, libraries: Libraries) -> Diagram:
@@ -212,6 +213,8 @@ class _Walk:
                 links=(*place.links, link),
             )
             if linked.block is None:
+                if block.type == "ModelReference":
+                    self.diagram.models[block.sid] = linked.file
                 element = Element("Block")
                 element.append(linked.file.top)
                 return replace(block, type="SubSystem"), element, place

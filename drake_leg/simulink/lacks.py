@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Container, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
@@ -47,6 +48,15 @@ def require_understood(model: Model) -> None:
         raise InvalidValueError(
             "\n  ".join((f"{len(lacks)} things of the model are not understood", *listed))
         )
+
+
+@contextmanager
+def speaking_of(model: Model) -> Iterator[None]:
+    """Say of which model an error speaks."""
+    try:
+        yield
+    except InvalidValueError as error:
+        raise InvalidValueError(f"{model.name}: {error.problem}", advice=error.advice) from None
 
 
 def with_texts(model: Model) -> Model:

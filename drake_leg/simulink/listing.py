@@ -52,7 +52,13 @@ def as_json(model: Model) -> dict[str, Any]:
         "solver": _plain_values(model.solver),
         "variables": _variables(model),
         "skipped": [] if model.variables is None else _skipped(model),
-        "init": None if hint is None else {"file": str(hint.path), "names": list(hint.names)},
+        "init": None
+        if hint is None
+        else {
+            "file": str(hint.path),
+            "names": list(hint.names),
+            "others": [str(path) for path in hint.others],
+        },
         "lacks": [
             {
                 "sid": lack.sid,

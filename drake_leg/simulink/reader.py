@@ -101,7 +101,9 @@ def read_model(
 def _require_used(given: Given, file: SimulinkFile, diagram: Diagram) -> None:
     """Refuse a value of a variable that nothing in the model can use."""
     scripts = [*given.init, *filter(str.strip, file.callbacks.values())]
-    code = file.workspace.get("WSMATLABCode", "") + str(_solver_texts(file.configuration))
+    workspaces = [each.workspace for each in (file, *diagram.models.values())]
+    code = " ".join(workspace.get("WSMATLABCode", "") for workspace in workspaces)
+    code += str(_solver_texts(file.configuration))
     words = _words(diagram) if given.values else set()
     for name in given.values:
         if not scripts and name not in words and not re.search(rf"\b{re.escape(name)}\b", code):

@@ -19,7 +19,7 @@ from drake_leg.simulink.matlab.names import names_in
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.program import parsed_expression, plain, value
 from drake_leg.simulink.model import Numbers
-from drake_leg.simulink.sources import Variables, no_variables
+from drake_leg.simulink.sources import Variables, no_variables, variables_inside
 
 _INFINITE = re.compile(r"\binf\b", re.IGNORECASE)
 _NAMED = re.compile(r"[A-Za-z]")
@@ -124,7 +124,8 @@ def settled(
     """Give every block its names, and what masks change in the blocks inside them.
 
     The names that a block may use are those of its own mask, evaluated with the names around it,
-    then those around it. A subsystem comes before the blocks inside it.
+    then those around it. A subsystem comes before the blocks inside it. Inside a model to which
+    this one refers are the variables of its own workspace, and no names of the masks around.
 
     Returns
     -------
@@ -135,14 +136,17 @@ def settled(
     """
     top = Scope(variables or no_variables())
     scopes: dict[str, Scope] = {}
+    inside: dict[str, Scope] = {}  # of models to which this one refers
     changes: dict[str, dict[str, str]] = {}
     blocks: dict[str, DrawnBlock] = {}
     paths = {block.path: block for block in diagram.blocks.values()}
     for sid, drawn in diagram.blocks.items():
         block = _changed(drawn, changes.get(drawn.path, {}))
-        around = scopes.get(block.system, top)
+        around = inside.get(block.system) or scopes.get(block.system, top)
         masked = block.mask.values or block.mask.code.strip()
-        scope = Scope(top.variables, block, around, paths) if masked else around
+        scope = Scope(around.variables, block, around, paths) if masked else around
+        if sid in diagram.models:
+            inside[sid] = Scope(variables_inside(diagram.models[sid], top.variables))
         if masked and (block.mask.promoted or "set_param" in block.mask.code):
             for path, texts in scope.changes.items():
                 changes.setdefault(path, {}).update(texts)

@@ -68,6 +68,17 @@ def no_variables() -> Variables:
     return Variables(Workspace())
 
 
+def variables_inside(file: SimulinkFile, around: Variables) -> Variables:
+    """Find the variables of a model to which another one refers: its own, then the other's.
+
+    Those of the other one's model workspace are not seen inside.
+    """
+    found = Variables(around.workspace)
+    found.used, found.init = around.used, around.init
+    _read_own(file, found, f"model workspace of {file.path.stem}")
+    return found
+
+
 def variables_of(
     file: SimulinkFile, given: Given, mentions: Callable[[str], bool] | None = None
 ) -> Variables:
@@ -159,7 +170,7 @@ def _try(workspace: Workspace, act: Callable[[], object]) -> None:
         workspace.note(str(error))
 
 
-def _read_own(file: SimulinkFile, found: Variables) -> None:
+def _read_own(file: SimulinkFile, found: Variables, name: str = "model workspace") -> None:
     """Read the model workspace: kept in the file, or made by code or another file."""
     settings, workspace = file.workspace, found.workspace
     kind = settings.get("WSDataSource", "")
@@ -167,13 +178,13 @@ def _read_own(file: SimulinkFile, found: Variables) -> None:
     path = workspace.folders.file(where) if where else None
     if kind == "MATLAB Code":
         code = settings.get("WSMATLABCode", "")
-        _try(workspace, lambda: workspace.run(code, name="the model workspace", local=found.own))
+        _try(workspace, lambda: workspace.run(code, name=f"the {name}", local=found.own))
     elif path is not None and path.suffix.lower() in SCRIPTS:
         _try(workspace, lambda: _read_file(workspace, path, found.own))
     elif file.workspace_content is not None:
         content = file.workspace_content
-        _try(workspace, lambda: found.own.update(read_struct(content, "the model workspace")))
-    source = f"model workspace ({where})" if path is not None else "model workspace"
+        _try(workspace, lambda: found.own.update(read_struct(content, f"the {name}")))
+    source = f"{name} ({where})" if path is not None else name
     for name in workspace.fixed & set(found.own):
         del found.own[name]
     found.own_sources.update(dict.fromkeys(found.own, source))

@@ -28,12 +28,15 @@ class Suggestion:
 
     path: Path
     names: tuple[str, ...]  # that it sets
+    others: tuple[Path, ...] = ()  # files that set as many, farther from the model
 
 
 def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
     """Find the file beside the model, or in its folders, that sets most of what it lacks.
 
-    Of several that set as many, a script rather than a .mat file, and the one nearest to the model.
+    Of several that set as many: a script rather than a .mat file, one that sets them itself rather
+    than one that only runs it, and the one nearest to the model. Those that are as good but for
+    that are its ``others``.
     """
     missing = _missing(lacks)
     if not missing or model.variables is None:
@@ -41,15 +44,18 @@ def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
     folders = model.variables.workspace.folders
     done = set(model.variables.init)
     reader = _Reader(folders, set(missing))
-    best: tuple[tuple[int, int, int], Suggestion] | None = None
-    for place, path in enumerate((*folders.ending(".m"), *folders.ending(".mat"))):
+    ranked: dict[tuple[int, bool, int], list[Path]] = {}  # how good -> files, the nearest first
+    for path in (*folders.ending(".m"), *folders.ending(".mat")):
         sets = reader.sets(path) if path.resolve() not in done else set()
         if sets:
-            names = tuple(dict.fromkeys(n.partition(".")[0] for n in missing if n in sets))
-            rank = (len(sets), path.suffix == ".m", -place)
-            if best is None or rank > best[0]:
-                best = rank, Suggestion(path=path, names=names)
-    return best[1] if best else None
+            rank = (len(sets), path.suffix == ".m", len(reader.own[path]))
+            ranked.setdefault(rank, []).append(path)
+    if not ranked:
+        return None
+    nearest, *others = ranked[max(ranked)]
+    sets = reader.sets(nearest)
+    names = dict.fromkeys(name.partition(".")[0] for name in missing if name in sets)
+    return Suggestion(path=nearest, names=tuple(names), others=tuple(others))
 
 
 def with_scripts(
@@ -95,23 +101,26 @@ class _Reader:
         self._folders, self._wanted = folders, wanted
         self._word = re.compile(rf"\b(?:{'|'.join(map(re.escape, wanted))})\b")
         self._found: dict[Path, set[str]] = {}
+        self.own: dict[Path, set[str]] = {}  # file -> names that it sets itself
 
     def sets(self, path: Path, depth: int = 0) -> set[str]:
         """Names that a file sets, those included that the scripts set which it runs."""
         if path not in self._found:
-            self._found[path] = set()  # while it is looked at
+            self._found[path] = self.own[path] = set()  # while it is looked at
             with suppress(InvalidValueError, MatlabError, OSError):
                 self._found[path] = self._looked_at(path, depth)
         return self._found[path]
 
     def _looked_at(self, path: Path, depth: int) -> set[str]:
         if path.suffix.lower() == ".mat":
-            return self._wanted & names_of_mat(path)
+            self.own[path] = self._wanted & names_of_mat(path)
+            return self.own[path]
         text = text_of(path)
         if len(text) > _SHORT and not self._word.search(text):
             return set()
         tree = self._folders.script(path)
-        found = self._wanted & {*assigned(tree.statements), *_fields(tree.statements)}
+        self.own[path] = self._wanted & {*assigned(tree.statements), *_fields(tree.statements)}
+        found = set(self.own[path])
         if depth < _DEPTH:
             for statement in tree.statements:
                 for inner in self._run_by(statement, path):

@@ -120,6 +120,17 @@ def test_set_gives_values_to_both_models(two, capsys):
     assert "Density is 1000 kg/m^3, in B.slx 2000 kg/m^3" in capsys.readouterr().out
 
 
+def test_values_come_from_the_script_that_a_person_would_run(two, tmp_path, capsys):
+    models = two(*(published_leg().set("Brick Solid1", Density=rho) for rho in ("rho", "2*rho")))
+    (tmp_path / "setup.m").write_text("rho = 500;\n", encoding="utf-8")
+    assert main(["compare", *models]) == 1
+    said = capsys.readouterr()
+    assert "Density is 500 kg/m^3, in B.slx 1000 kg/m^3" in said.out
+    assert "rho taken from" in said.err
+    assert main(["compare", models[0], "leg-b"]) == 1
+    assert "Density is 500 kg/m^3, in Drake 1000 kg/m^3" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("option", [["--amplitude", "0.1"], ["--force"], ["--config", "a.yaml"]])
 def test_options_of_runs_mean_nothing_to_two_models(two, capsys, option):
     assert main(["compare", *two(published_leg(), published_leg()), *option]) == 2

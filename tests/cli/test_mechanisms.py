@@ -64,6 +64,9 @@ def test_values_come_from_the_script_that_a_person_would_run(here, capsys):
     assert "rho taken from" in err
     assert "setup.m: give --init to choose another file" in err
     (here / "other.m").write_text("rho = 3000;\n", encoding="utf-8")
+    err = run(capsys, "sdf", "m.slx")[2]
+    assert "rho taken from" in err
+    assert "setup.m would set as many)" in err
     words = ("--out", "m.sdf", "--overwrite", "--init", "other.m")
     status, out, err = run(capsys, "sdf", "m.slx", *words)
     assert (status, "1.2 kg" in out, err) == (0, True, "")

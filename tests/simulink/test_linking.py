@@ -104,6 +104,22 @@ def test_a_whole_file_is_a_subsystem(tmp_path, kind, texts):
     assert len(flatten(model).wires) == 2
 
 
+def test_a_model_in_a_model_has_a_workspace_of_its_own(tmp_path):
+    part = ModelBuilder(workspace={"WSDataSource": "MATLAB Code", "WSMATLABCode": "k = 6;"})
+    fill(part, "", "k + outer")
+    part.write(tmp_path / "part.slx")
+    builder = user("ModelReference", {"ModelNameDialog": "part.slx"})
+    builder.workspace = {"WSDataSource": "MATLAB Code", "WSMATLABCode": "k = 100; hidden = 1;"}
+    path = builder.write(tmp_path / "m.slx")
+    model = read_model(path, values={"outer": 0.5})
+    assert gains(model) == [6.5]
+    assert model.variables.used["k"] == "model workspace of part"
+    fill(part := ModelBuilder(), "", "hidden")
+    part.write(tmp_path / "part.slx")
+    (lack,) = lacks_of(read_model(path))
+    assert lack.names == ("hidden",)
+
+
 def test_code_in_a_library_is_found_by_its_path_there(tmp_path):
     builder = ModelBuilder()
     for number, name in enumerate(("First", "Second"), start=1):

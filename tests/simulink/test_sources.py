@@ -291,6 +291,22 @@ def test_a_script_that_sets_the_fields_is_suggested_before_another(tmp_path):
     assert suggested(path).path.name == "b.m"
 
 
+def test_a_script_that_sets_values_comes_before_one_that_only_runs_it(tmp_path):
+    (tmp_path / "derive.m").write_text("setup;\nother = m1;")
+    (tmp_path / "setup.m").write_text("m1 = 1;\nm2 = 2;")
+    found = suggested(one_gain("m1*m2").write(tmp_path / "m.slx"))
+    assert (found.path.name, found.others) == ("setup.m", ())
+
+
+def test_scripts_that_set_as_many_are_told(tmp_path):
+    far = tmp_path / "old"
+    far.mkdir()
+    for folder in (far, tmp_path):
+        (folder / "setup.m").write_text("m1 = 1;")
+    found = suggested(one_gain("m1").write(tmp_path / "m.slx"), paths=[far])
+    assert (found.path, found.others) == (tmp_path / "setup.m", (far / "setup.m",))
+
+
 def test_nothing_is_suggested_where_nothing_helps(tmp_path):
     (tmp_path / "a.m").write_text("other = 1;")
     assert suggested(one_gain("m1").write(tmp_path / "m.slx")) is None

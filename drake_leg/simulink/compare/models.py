@@ -38,7 +38,7 @@ from drake_leg.simulink.compare.of_model import read_graph
 from drake_leg.simulink.compare.same_signals import ModelSide, compare_signals, typed_values
 from drake_leg.simulink.compare.signals import Shape, Signal
 from drake_leg.simulink.compare.simulink_signals import SimulinkSignals
-from drake_leg.simulink.lacks import with_texts
+from drake_leg.simulink.lacks import speaking_of, with_texts
 from drake_leg.simulink.mechanism import RIGID, Frame
 from drake_leg.simulink.model import Block, Model, SignalWire
 from drake_leg.simulink.wiring import flatten
@@ -108,9 +108,12 @@ class _Pair:
 
 
 def _read(first: Model, second: Model, other: str) -> _Pair:
-    flats = flatten(first), flatten(second)
-    read = read_graph(second, flats[1])
-    mechanisms = read_mechanisms(first, flats[0], read.graph, other)
+    with speaking_of(second):
+        flat = flatten(second)
+        read = read_graph(second, flat)
+    with speaking_of(first):
+        flats = flatten(first), flat
+        mechanisms = read_mechanisms(first, flats[0], read.graph, other)
     bodies = mechanisms.matching.bodies
     roles = _roles(mechanisms)
     sides = (
