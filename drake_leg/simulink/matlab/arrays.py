@@ -335,7 +335,7 @@ ARRAYS: dict[str, Known] = {
     **dict.fromkeys(("inf", "Inf"), _filled_with(math.inf)),
     "true": _made(lambda shape: np.ones(shape, dtype=bool)),
     "false": _made(lambda shape: np.zeros(shape, dtype=bool)),
-    **dict.fromkeys(("rand", "randn", "randi", "randperm"), _random),
+    **dict.fromkeys(("randn", "randperm"), _random),
     "size": _size,
     "numel": of_values(lambda value: float(math.prod(extent(value)))),
     "length": of_values(_length),

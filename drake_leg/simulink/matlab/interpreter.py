@@ -26,6 +26,7 @@ from drake_leg.simulink.matlab.indexing import ALL, columns, last, read
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
 from drake_leg.simulink.matlab.names import assigned, called, first_of, path_of
 from drake_leg.simulink.matlab.numeric import MatlabError
+from drake_leg.simulink.matlab.random import Generator
 from drake_leg.simulink.matlab.specials import COMMANDS, SPECIAL
 from drake_leg.simulink.matlab.writing import write_target
 
@@ -39,6 +40,7 @@ class Interpreter:
         self.host, self.budget = host, budget
         self.globals: dict[str, Any] = {}
         self.memory: Memory = {} if memory is None else memory
+        self.random = Generator()
 
     # --- statements ---------------------------------------------------------------------------
 

@@ -183,7 +183,7 @@ KNOWN: dict[str, Known] = {
 
 _QUIET = (
     "axis beep box camlight clc close colorbar dbstop disp display drawnow figure format fprintf "
-    "graphics_toolkit grid hold legend light more pause pkg printf profile rng shading tic title "
+    "graphics_toolkit grid hold legend light more pause pkg printf profile shading tic title "
     "view warning who whos xlabel ylabel zlabel"
 )
 QUIET = frozenset(_QUIET.split())  # they only arrange, print or wait

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drake_leg.simulink.matlab import operators
+from drake_leg.simulink.matlab import operators, random
 from drake_leg.simulink.matlab.data import (
     Cell,
     Function,
@@ -217,6 +217,9 @@ SPECIAL: Mapping[str, Special] = {
     "isdir": _is_file,
     "isvarname": lambda self, arguments, wanted, frame: [str(arguments[0]).isidentifier()],
     "feval": _feval,
+    "rand": random.rand,
+    "randi": random.randi,
+    "rng": random.rng,
     "arrayfun": _each,
     "cellfun": _each,
     "structfun": _structfun,

@@ -240,7 +240,7 @@ def test_an_array_that_is_written_does_not_change_its_copies():
         ("x = unknown_thing(3)", "x"),
         ("open_system('m')", "open_system"),
         ("syms a b", "syms"),
-        ("x = rand(3)", "x"),
+        ("x = randn(3)", "x"),
         ("x = [1 2]*[3 4]", "x"),
     ],
 )

@@ -37,6 +37,7 @@ from drake_leg.simulink.matlab.compiling.parts import Index, end_of, part_of
 from drake_leg.simulink.matlab.compiling.source import AND, OR, If, Lines, called, joined
 from drake_leg.simulink.matlab.compiling.translation import Translation, checked
 from drake_leg.simulink.matlab.data import Allowance, Function, Text
+from drake_leg.simulink.matlab.inputs import sizes_of
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
 from drake_leg.simulink.matlab.names import called as name_of
 from drake_leg.simulink.matlab.names import first_of, names_in
@@ -44,6 +45,7 @@ from drake_leg.simulink.matlab.numeric import ELEMENTS, MatlabError
 from drake_leg.simulink.matlab.specials import SPECIAL
 
 _APPLYING = frozenset(("feval", "arrayfun", "cellfun", "structfun"))
+_DRAWING = frozenset(("rand", "randi", "rng"))
 _SAYING = frozenset(("error", "assert", "fprintf"))
 
 
@@ -327,7 +329,7 @@ def _known(number: float) -> Code:
 
 
 def _special(t: Translation, name: str, given: list[Code], wanted: int) -> list[Code]:
-    if name not in _APPLYING and name not in _SAYING:
+    if name not in _APPLYING | _SAYING | _DRAWING:
         raise UncompilableError(f"'{name}' sees all variables")
     if name in _APPLYING:
         t.module.applies = True
@@ -336,4 +338,15 @@ def _special(t: Translation, name: str, given: list[Code], wanted: int) -> list[
         t.emit(piece)
         return []
     listed = t.temporary(piece)
+    if name in _DRAWING and is_constant(*given) and t.daring:
+        shape = _drawn_shape(given[name == "randi" :])
+        if shape is not None:
+            return [checked(t, f"{listed}[0]", Numbers("float", shape))]
     return [Code(ANYTHING, (f"{listed}[{k}]",)) for k in range(wanted)]
+
+
+def _drawn_shape(sizes: list[Code]) -> tuple[int, ...] | None:
+    try:
+        return sizes_of(tuple(map(value_of, sizes)), Allowance(largest=ELEMENTS))
+    except MatlabError:
+        return None

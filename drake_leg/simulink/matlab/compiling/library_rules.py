@@ -50,7 +50,7 @@ _MOVING = "reshape repmat fliplr flipud flip circshift horzcat vertcat cat squee
 _MOVING_FLOATS = "diag tril triu"
 _OF_VALUES = """find unique zeros ones eye cell repmat linspace logspace roots union intersect
 setdiff colon null orth nan NaN inf Inf true false blanks nchoosek factorial reshape num2cell"""
-_DRAWING = "rand randn randi randperm"
+_DRAWING = "randn randperm"
 _SAME = "real double single full conj"
 _OF_PYTHON = """sin cos tan atan sinh cosh tanh asinh exp log log2 log10 log1p expm1 sqrt asin acos
 acosh atanh"""
