@@ -209,7 +209,27 @@ JOINTS: dict[str, Parameters] = {
     "Spherical Joint": BALL,
     "Weld Joint": (),
     "Constant Velocity Joint": (),
-    "Lead Screw Joint": (),
+    "Lead Screw Joint": choices(
+        Direction="RightHand",
+        PositionTargetSpecify="off",
+        PositionTargetPriority="High",
+        PositionTargetRotationBased="off",
+        VelocityTargetSpecify="off",
+        VelocityTargetPriority="High",
+        VelocityTargetRotationBased="off",
+    )
+    + quantities("mm/rev", Lead="1")
+    + quantities("deg", PositionTargetRotationValue="0")
+    + quantities("m", PositionTargetTranslationValue="0")
+    + quantities("deg/s", VelocityTargetRotationValue="0")
+    + quantities("m/s", VelocityTargetTranslationValue="0")
+    + switches(
+        *(
+            f"Sense{what}{quantity}"
+            for what in ("Rotation", "Translation")
+            for quantity in ("Position", "Velocity", "Acceleration")
+        )
+    ),
 }
 
 
@@ -322,8 +342,20 @@ _ACTING: dict[str, Parameters] = {
     + quantities("m", NormalTransitionRegionWidth="1e-4")
     + numbers(CoefficientOfStaticFriction="0.5", CoefficientOfDynamicFriction="0.3")
     + quantities("m/s", FrictionalCriticalVelocity="1e-3"),
+    "Common Gear Constraint": choices(GearType="External", SpecificationType="PitchCircleRadii")
+    + quantities("m", CenterDistance="0.2", BaseGearRadius="0.1", FollGearRadius="0.1")
+    + numbers(GearRatio="1"),
+    "Bevel Gear Constraint": quantities("m", BaseGearRadius="0.1", FollGearRadius="0.1"),
+    "Rack and Pinion Constraint": quantities("m", PinionRadius="0.1"),
+    "Worm and Gear Constraint": choices(
+        WormDirection="RightHand", SpecificationMethod="PitchCircleRadii"
+    )
+    + quantities("deg", WormLeadAngle="20")
+    + quantities("m", CenterDistance="0.2", WormRadius="0.1", GearRadius="0.1")
+    + numbers(Ratio="1"),
     "Infinite Plane": (),
     "Point": (),
+    "Disk": quantities("m", Radius="1"),
     "Point Cloud": quantities("m", CoordinatesMatrix="[0 0 0]"),
     "Grid Surface": quantities(
         "m", XGridVector="[0 1]", YGridVector="[0 1]", ZHeights="[0 0; 0 0]"
@@ -333,9 +365,8 @@ _ACTING: dict[str, Parameters] = {
 _WITHOUT_TABLE = """
 Magic Formula Tire Force and Torque, Joint Mode
 Configuration, Simscape Multibody Explorer, Connection Frame, Spline,
-Convex Hull, Disk, Point on Curve Constraint, Angle Constraint,
-Distance Constraint, Point on Surface Constraint, Rack and Pinion Constraint, Common Gear
-Constraint, Bevel Gear Constraint, Worm and Gear Constraint, Flexible Angle Beam, Flexible
+Convex Hull, Point on Curve Constraint, Angle Constraint,
+Distance Constraint, Point on Surface Constraint, Flexible Angle Beam, Flexible
 Channel Beam, Flexible Cylindrical Beam, Flexible I Beam, Flexible Rectangular Beam, Flexible T
 Beam, General Flexible Beam, General Flexible Plate, Reduced Order Flexible Solid, Variable
 Brick Solid, Variable Cylindrical Solid, Variable Spherical Solid, General Variable Mass,

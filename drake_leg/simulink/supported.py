@@ -31,8 +31,8 @@ a file omits. Other parameters are shown as they stand in the file.
 MECHANISM = """
 ## Simscape Multibody
 
-*Mechanism* tells what the block becomes by `drake-leg sdf` and `view`. What is left out is said
-each time.
+*Mechanism* tells what the block becomes by `drake-leg sdf` and `view`; what is left out there is
+said each time. *In motion* tells what it does when the model runs.
 """
 
 _PARTS = {
@@ -45,9 +45,15 @@ _PARTS = {
     "File Solid": "a body of given mass; its shape is shown by trimesh",
     "Solid": "as Brick, Cylindrical, Spherical, Ellipsoidal, Extruded, Revolved, File Solid",
     "Weld Joint": "two frames of one body",
+    "Lead Screw Joint": "a screw joint along z",
     "6-DOF Joint": "a floating base; between connected bodies a sensor",
 }
 _AXES = {"P": "prismatic", "R": "revolute", "S": "ball"}
+_COLUMNS = ("block", "values", "mechanism", "in motion")
+_TOUCHING = (
+    "Brick Solid", "Cylindrical Solid", "Spherical Solid", "Ellipsoidal Solid", "Extruded Solid",
+    "Revolved Solid", "Solid",
+)  # fmt: skip
 LEFT_OUT = "left out, by name"
 REFUSED = "not built: the model is refused, with its name"
 
@@ -67,9 +73,50 @@ def in_mechanism(kind: str) -> str:
     return "a frame" if kind in PLACES else REFUSED
 
 
+_ACTS = "acts"
+_SENSES = "senses"
+_MOVES = "moves: springs, dampers, limits, inputs, sensing"
+_IN_MOTION = {
+    "Transform Sensor": _SENSES,
+    "Spatial Contact Force": "acts, with friction; senses",
+    "External Force and Torque": _ACTS,
+    "Internal Force": _ACTS,
+    "Spring and Damper Force": "acts; senses",
+    "Inverse Square Law Force": "acts; senses",
+    "Gravitational Field": _ACTS,
+    "Mechanism Configuration": "gravity, constant or an input",
+    "Infinite Plane": "touches",
+    "Point": "touches",
+    "Point Cloud": "touches",
+    "Grid Surface": "touches",
+    "Disk": "touches",
+    "File Solid": "touches with its convex hull",
+    "Common Gear Constraint": _ACTS,
+    "Bevel Gear Constraint": _ACTS,
+    "Rack and Pinion Constraint": _ACTS,
+    "Worm and Gear Constraint": _ACTS,
+    "Weld Joint": "–",
+    "Lead Screw Joint": "moves: sensing",
+    "6-DOF Joint": f"{_MOVES}; between connected bodies it senses, and acts where it has springs",
+}
+
+
+def in_motion(kind: str) -> str:
+    """Say what a kind of block of Simscape Multibody does in a mechanism that moves."""
+    if kind in _IN_MOTION:
+        return _IN_MOTION[kind]
+    if in_mechanism(kind) == REFUSED:
+        return "–"
+    if kind in JOINTS:
+        return _MOVES
+    if kind in (*FORCES, *CONSTRAINTS):
+        return LEFT_OUT
+    return "touches" if kind in _TOUCHING else "–"
+
+
 def page() -> str:
     """Write the page."""
-    lines = [HEAD, MECHANISM, *_table(("block", "values", "mechanism"), _multibody())]
+    lines = [HEAD, MECHANISM, *_table(_COLUMNS, _multibody())]
     lines += ["\n## Simulink\n", *_table(("block", "values"), _rows(BUILT_IN, WITHOUT_PARAMETERS))]
     for title, library in (
         ("Masked blocks of Simulink", "simulink"),
@@ -83,7 +130,7 @@ def page() -> str:
 def _multibody() -> Iterator[tuple[str, ...]]:
     order = [*JOINTS, *(kind for kind in MULTIBODY if kind not in JOINTS)]
     for kind in order:
-        yield kind, _count(MULTIBODY[kind]), in_mechanism(kind)
+        yield kind, _count(MULTIBODY[kind]), in_mechanism(kind), in_motion(kind)
 
 
 def _rows(

@@ -7,7 +7,9 @@ from mechanism_models import MechanismBuilder
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.catalogue import MULTIBODY
-from drake_leg.simulink.supported import LEFT_OUT, REFUSED, in_mechanism, page
+from drake_leg.simulink.dynamics.system import mechanism_dynamics
+from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES
+from drake_leg.simulink.supported import LEFT_OUT, REFUSED, in_mechanism, in_motion, page
 
 PAGE = Path(__file__).parents[2] / "docs" / "blocks.md"
 
@@ -36,6 +38,31 @@ def test_what_the_page_says_of_a_block_is_so(tmp_path, kind):
         assert "'It'" in error
     else:
         assert (kind in found.connections.left_out) == (said == LEFT_OUT)
+
+
+@pytest.mark.parametrize("kind", [*FORCES, *CONSTRAINTS])
+def test_what_the_page_says_of_a_block_in_motion_is_so(tmp_path, kind):
+    """A force or a constraint between two joints acts, or is left out by name."""
+    built = MechanismBuilder()
+    built.body(kind, "It")
+    for name, side, place in (("A", "lconn:1", "0.3"), ("B", "rconn:1", "-0.4")):
+        built.transform(f"To{name}", offset=f"[{place} 0 0.1]")
+        built.joint("Revolute", f"J{name}", PositionTargetSpecify="on", PositionTargetValue="20")
+        built.body("Brick Solid", f"Brick{name}", BrickDimensions="[2 1 1]",
+                   ExportEntireGeometry="on")  # fmt: skip
+        built.meet("World", f"To{name} lconn:1")
+        built.meet(f"To{name}", f"J{name} lconn:1")
+        built.meet(f"J{name}", f"Brick{name}")
+        touches = kind == "Spatial Contact Force" or (kind.startswith("Point on") and name == "A")
+        end = f"Brick{name} lconn:1" if touches else f"J{name}"
+        built.physical(*(port_of(built, each) for each in (end, f"It {side}")))
+    system = mechanism_dynamics(built.model(tmp_path))
+    assert (kind in system.left_out) == (in_motion(kind) == LEFT_OUT)
+
+
+def port_of(built, text):
+    name, _, place = text.partition(" ")
+    return f"{built.sid(name)}#{place or 'rconn:1'}"
 
 
 def outcome(built, folder):

@@ -64,7 +64,6 @@ class Acting:
         self._rotors = self._attempt(np.zeros(len(self.joints.motions)), rotors)
         self.moment = Moment(self.tree, self.plant)
         self.constraints: list[Constraint] = [Welded(weld) for weld in welds]
-        self._solver = Solver(self.joints, self.constraints, self._rotors, nv)
         self.mechanism, self._places = mechanism, Places(mechanism)
         self._applied = Applied(
             self.network,
@@ -76,6 +75,8 @@ class Acting:
             pulls=pulls,
         )
         self.problems += self._applied.problems
+        self.constraints += self._applied.constraints
+        self._solver = Solver(self.joints, self.constraints, self._rotors, nv)
         self.left_out: Mapping[str, tuple[str, ...]] = {
             kind: tuple(names) for kind, names in self._applied.left_out.items()
         }

@@ -21,6 +21,7 @@ from drake_leg.simulink.dynamics.forces import (
     StateForce,
     Weights,
 )
+from drake_leg.simulink.dynamics.gears import gear_of
 from drake_leg.simulink.dynamics.moment import Moment, Place, Places
 from drake_leg.simulink.dynamics.ports import Layout
 from drake_leg.simulink.dynamics.sensing import Ports, Quantity
@@ -28,9 +29,11 @@ from drake_leg.simulink.dynamics.shapes import (
     Ground,
     Plane,
     Points,
+    Rim,
     corners_of,
     surface_of,
 )
+from drake_leg.simulink.dynamics.solver import Constraint
 from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.mechanism import BASE, FOLLOWER, Frame, PhysicalNetwork
 from drake_leg.simulink.model import Block, invalid_parameter, is_on, number, split_port, vector
@@ -42,6 +45,10 @@ from drake_leg.simulink.multibody.solids import Solid
 
 T = TypeVar("T")
 
+GEARS = (
+    "Common Gear Constraint", "Bevel Gear Constraint", "Rack and Pinion Constraint",
+    "Worm and Gear Constraint",
+)  # fmt: skip
 CONTACT = "Spatial Contact Force"
 
 
@@ -62,7 +69,7 @@ class Applied:
         self.problems: list[str] = []
         self.left_out: dict[str, list[str]] = {}
         self.quantities: list[Quantity] = []
-        self.contacts: list[Contact] = []
+        self.constraints: list[Constraint] = []
         self._of_state: list[StateForce] = []
         self._of_input: list[InputForce] = []
         self._network, self._places, self._inputs, self._pulls = network, places, inputs, pulls
@@ -130,6 +137,9 @@ class Applied:
             self._add_pair(block)
         elif kind == CONTACT:
             self._add_contact(block)
+        elif kind in GEARS:
+            places = self._frames(block, BASE, FOLLOWER)
+            self.constraints += [gear_of(block, *places)] if places else []
         elif kind in (*FORCES, *CONSTRAINTS):
             self._leave_out(block)
 
@@ -173,7 +183,6 @@ class Applied:
                 f"the block {block.name!r} (SID {block.sid}) lets two geometries touch of which "
                 "none has an inside: connect a solid, a plane or a grid at one side"
             )
-        self.contacts.append(contact)
         self._of_state.append(contact)
         self.quantities += sensed_of_contact(block, contact)
 
@@ -233,6 +242,11 @@ class Applied:
             return Side(place=place_, surface=Plane(), corners=None)
         if block.kind == "Point":
             return Side(place=place_, surface=None, corners=Points(points=np.zeros((1, 3))))
+        if block.kind == "Disk":
+            radius = number(block.parameters.get("Radius"))
+            if not radius > 0.0:
+                raise invalid_parameter(block, "Radius", "it must be a positive number")
+            return Side(place=place_, surface=None, corners=Rim(rim=radius))
         if block.kind == "Point Cloud":
             points = np.array(block.parameters.get("CoordinatesMatrix"), dtype=float)
             if points.ndim != 2 or points.shape[1] != 3:

@@ -123,7 +123,7 @@ def _free(coordinates: list[Coordinate], moment: Moment, R: Array, *, slides: bo
             R = R @ coordinate.rotation(moment.q)
             continue
         assert isinstance(coordinate, Axis)
-        if (primitive.kind == "slide") is slides:
+        if primitive.kind == "screw" or (primitive.kind == "slide") is slides:
             found.append(R[:, [primitive.axis]])
         position = np.array([float(coordinate.A @ moment.q) + coordinate.b])
         R = R @ primitive.pose(position)[:3, :3]

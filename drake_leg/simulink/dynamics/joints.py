@@ -24,7 +24,7 @@ SIDES = (("Lower", -1.0), ("Upper", 1.0))
 
 def prefix_of(block: Block, primitive: Primitive) -> str:
     """Return what the names of a primitive's parameters begin with."""
-    return "" if block.kind in SINGLE else primitive.name
+    return "" if block.kind in SINGLE or primitive.kind == "screw" else primitive.name
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -59,9 +59,9 @@ class Joints:
         self.problems: list[str] = []
         self.motions: list[Motion] = []
         self.motion_ports: set[str] = set()
-        self.A = np.array([axis.A for axis in self.axes]).reshape(-1, nq)
+        self.A = np.array([axis.A for axis in self.axes]).reshape(len(self.axes), nq)
         self.b = np.array([axis.b for axis in self.axes])
-        self.S = np.array([axis.S for axis in self.axes]).reshape(-1, nv)
+        self.S = np.array([axis.S for axis in self.axes]).reshape(len(self.axes), nv)
         self.number = {id(axis): index for index, axis in enumerate(self.axes)}
         self._driven: list[tuple[int, int]] = []  # axis, entry of u
         self._torques: list[tuple[int, slice, tuple[int, ...], bool]] = []

@@ -29,6 +29,8 @@ def rotors(plant: MultibodyPlant, joints: Joints, coordinates: Sequence[Coordina
         That names joints that nothing drives and that move nothing that has mass.
     """
     found = np.zeros(len(joints.motions))
+    if not plant.num_velocities():
+        return found
     null = _massless(plant)
     if not null.shape[1]:
         return found
@@ -65,7 +67,7 @@ def _massless(plant: MultibodyPlant) -> Array:
     diagonal = np.sqrt(np.maximum(np.diagonal(M), 0.0))
     scale = np.where(diagonal > 0.0, diagonal, 1.0)
     values, vectors = np.linalg.eigh(M / np.outer(scale, scale))
-    null: Array = vectors[:, values < SINGULAR * max(float(values[-1]), 1.0)] / scale[:, None]
+    null: Array = vectors[:, values < SINGULAR * values.max(initial=1.0)] / scale[:, None]
     longest: Array = np.abs(null).max(axis=0)
     return null / longest
 

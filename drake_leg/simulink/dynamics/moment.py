@@ -63,7 +63,7 @@ class Moment:
     """A plant at one state, with its own context; what is asked for is computed once a state."""
 
     def __init__(self, mechanism: Mechanism, plant: MultibodyPlant) -> None:
-        self.plant = plant
+        self._mechanism, self.plant = mechanism, plant
         self.context = plant.CreateDefaultContext()
         self.bodies = [plant.GetBodyByName(name) for name in link_names(mechanism)]
         self._state = np.full(plant.num_multibody_states(), np.nan)
@@ -76,6 +76,10 @@ class Moment:
         self._placed: dict[Place, tuple[Array, Array]] = {}
         self._moving: dict[Place, tuple[Array, Array]] = {}
         self._accelerations: Sequence[Array] | None = None
+
+    def twin(self) -> Moment:
+        """Return another moment of the same plant."""
+        return Moment(self._mechanism, self.plant)
 
     def move_to(self, state: Array) -> None:
         """Take another state, positions and velocities."""

@@ -60,6 +60,9 @@ class Ports:
 def sensed_of_axis(joints: Joints, axis: Axis, ports: Ports) -> Iterator[Quantity]:
     """List what a primitive of one axis puts out."""
     block, index = axis.joint.block, joints.number[id(axis)]
+    if axis.primitive.kind == "screw":
+        yield from _of_screw(axis, ports)
+        return
     prefix = prefix_of(block, axis.primitive)
     driving = [place for place, motion in enumerate(joints.motions) if motion.axis == index]
     S = axis.S
@@ -74,13 +77,32 @@ def sensed_of_axis(joints: Joints, axis: Axis, ports: Ports) -> Iterator[Quantit
     if is_on(block, f"{prefix}SenseVelocity"):
         yield Quantity(port=ports.next(), linear=(np.concatenate([np.zeros_like(axis.A), S]), 0.0))
     if is_on(block, f"{prefix}SenseAcceleration"):
-        yield Quantity(port=ports.next(), of_response=lambda response: float(S @ response.vdot))
+        yield Quantity(port=ports.next(), of_response=partial(_acceleration, S))
     if any(is_on(block, prefix + name) for name in ACTUATOR):
         yield Quantity(port=ports.next(), of_response=effort)
     for name, side in (("Lower", -1.0), ("Upper", 1.0)):
         if is_on(block, f"{prefix}Sense{name}LimitTorqueForce"):
             law = partial(joints.stop_force, axis=index, side=side)
             yield Quantity(port=ports.next(), of_state=law)
+
+
+def _of_screw(axis: Axis, ports: Ports) -> Iterator[Quantity]:
+    """List what a Lead Screw puts out: how it turns, then how it moves."""
+    block, (A, b, S) = axis.joint.block, (axis.A, axis.b, axis.S)
+    for what, scale in (("Rotation", 1.0), ("Translation", axis.primitive.lead)):
+        if is_on(block, f"Sense{what}Position"):
+            row = np.concatenate([scale * A, np.zeros_like(S)])
+            yield Quantity(port=ports.next(), linear=(row, scale * b))
+        if is_on(block, f"Sense{what}Velocity"):
+            row = np.concatenate([np.zeros_like(A), scale * S])
+            yield Quantity(port=ports.next(), linear=(row, 0.0))
+        if is_on(block, f"Sense{what}Acceleration"):
+            law = partial(_acceleration, scale * S)
+            yield Quantity(port=ports.next(), of_response=law)
+
+
+def _acceleration(S: Array, response: Response) -> float:
+    return float(S @ response.vdot)
 
 
 def sensed_of_ball(joints: Joints, ball: Ball, ports: Ports) -> Iterator[Quantity]:

@@ -186,14 +186,36 @@ class Barrel:
         return math.hypot(self.rim, self.half)
 
     def toward(self, direction: Array) -> Array:
-        """Return four points of each rim: the one farthest in a direction, and a cross with it."""
-        x, y = direction[:2].tolist()
-        length = math.hypot(x, y)
-        x, y = (x / length, y / length) if length > 1e-9 else (1.0, 0.0)
-        ring = self.rim * np.array([[x, y], [-y, x], [-x, -y], [y, -x]])
-        return np.vstack(
-            [np.column_stack([ring, np.full(4, side * self.half)]) for side in (-1.0, 1.0)]
-        )
+        """Return four points of each rim."""
+        ring = _ring(self.rim, direction)
+        above = np.array([0.0, 0.0, self.half])
+        return np.vstack([ring - above, ring + above])
+
+
+def _ring(radius: float, direction: Array) -> Array:
+    """Return the point of a circle in x, y that is farthest in a direction, and a cross with it."""
+    x, y = direction[:2].tolist()
+    length = math.hypot(x, y)
+    x, y = (x / length, y / length) if length > 1e-9 else (1.0, 0.0)
+    ring: Array = radius * np.array([[x, y, 0.0], [-y, x, 0.0], [-x, -y, 0.0], [y, -x, 0.0]])
+    return ring
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rim:
+    """The edge of a disk in x, y."""
+
+    rim: float  # radius [m]
+    radius: float = 0.0  # of its corners
+
+    @property
+    def reach(self) -> float:
+        """Return the radius [m]."""
+        return self.rim
+
+    def toward(self, direction: Array) -> Array:
+        """Return four points of it."""
+        return _ring(self.rim, direction)
 
 
 class Hull:

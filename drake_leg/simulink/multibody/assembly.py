@@ -146,7 +146,8 @@ def _along(joint: Joint, X_WB: Array, q: Array) -> tuple[Array, Array]:
         if primitive.kind == "slide":
             twists.append(np.vstack([np.zeros_like(axes), axes]))
         else:
-            twists.append(np.vstack([axes, -np.cross(axes, X_WB[:3, 3], axis=0)]))
+            v = primitive.lead * axes - np.cross(axes, X_WB[:3, 3], axis=0)
+            twists.append(np.vstack([axes, v]))
         X_WB, first = X_WB @ primitive.pose(part), last
     return X_WB, np.hstack(twists)
 

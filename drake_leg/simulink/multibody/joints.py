@@ -15,7 +15,7 @@ from drake_leg.simulink.mechanism import pose, rotation_of
 from drake_leg.simulink.model import Block, invalid_parameter, is_on, number, vector
 from drake_leg.simulink.multibody.mass import Array
 
-Kind = Literal["turn", "slide", "ball"]
+Kind = Literal["turn", "slide", "ball", "screw"]
 
 SINGLE = {"Revolute Joint": "Rz", "Prismatic Joint": "Pz", "Spherical Joint": "Sph"}
 _KINDS: dict[str, Kind] = {"R": "turn", "P": "slide", "S": "ball"}
@@ -29,6 +29,7 @@ class Primitive:
     name: str  # "Px", "Rz", "Sph"
     kind: Kind
     axis: int  # 0, 1, 2; of a ball -1
+    lead: float = 0.0  # of a screw [m/rad]; its position is an angle
     stiffness: float = 0.0  # [N*m/rad or N/m]
     rest: float = 0.0  # [rad or m], where the spring is at rest
     damping: float = 0.0  # [N*m*s/rad or N*s/m]
@@ -53,7 +54,9 @@ class Primitive:
             return pose(Rotation.from_rotvec(q).as_matrix())
         moved = np.zeros(3)
         moved[self.axis] = float(q[0])
-        return pose(None, moved) if self.kind == "slide" else pose(_turned(moved))
+        if self.kind == "slide":
+            return pose(None, moved)
+        return pose(_turned(moved), self.lead * moved)
 
     @property
     def start(self) -> Array:
@@ -77,10 +80,12 @@ def primitives_of(block: Block) -> tuple[Primitive, ...]:
     Raises
     ------
     InvalidValueError
-        If the joint is of a kind without them, such as a Lead Screw, or a value is not known.
+        If the joint is of a kind without them, or a value is not known.
     """
     if block.kind == "Weld Joint":
         return ()
+    if block.kind == "Lead Screw Joint":
+        return (_screw(block),)
     names = SINGLE.get(block.kind) or PRIMITIVES.get(block.kind)
     if names is None:
         raise InvalidValueError(
@@ -135,6 +140,32 @@ def _ball(block: Block, name: str, prefix: str) -> Primitive:
         rate=_turning(block, prefix) if is_on(block, f"{prefix}{_RATE}Specify") else None,
         rate_firm=_is_firm(block, prefix + _RATE),
         driven=_is_driven(block, prefix),
+    )
+
+
+def _screw(block: Block) -> Primitive:
+    """Read a Lead Screw, whose follower moves along z as it turns about it."""
+    get = _getter(block, "")
+    lead = get("Lead") * (-1.0 if block.parameters.get("Direction") == "LeftHand" else 1.0)
+    if not lead:
+        raise invalid_parameter(block, "Lead", "it must not be zero")
+
+    def target(name: str) -> tuple[float] | None:
+        if not is_on(block, f"{name}Specify"):
+            return None
+        if is_on(block, f"{name}RotationBased"):
+            return (get(f"{name}RotationValue"),)
+        return (get(f"{name}TranslationValue") / lead,)
+
+    return Primitive(
+        name="Lsz",
+        kind="screw",
+        axis=2,
+        lead=lead,
+        target=target(_TARGET),
+        firm=_is_firm(block, _TARGET),
+        rate=target(_RATE),
+        rate_firm=_is_firm(block, _RATE),
     )
 
 

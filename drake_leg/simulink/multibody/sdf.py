@@ -6,6 +6,7 @@ A joint of several degrees of freedom is a chain of simple ones, with massless l
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 
@@ -29,7 +30,7 @@ from drake_leg.simulink.multibody.naming import word
 from drake_leg.simulink.multibody.solids import Brick, Cylinder, Ellipsoid, Shape, Solid
 
 GROUND = "ground"  # the link of what is fixed on the world
-_TYPES = {"turn": "revolute", "slide": "prismatic", "ball": "ball"}
+_TYPES = {"turn": "revolute", "slide": "prismatic", "ball": "ball", "screw": "screw"}
 
 
 def mechanism_sdf(mechanism: Mechanism, *, meshes: Mapping[Solid, str] | None = None) -> str:
@@ -111,6 +112,9 @@ class _Writer:
             body = self._mechanism.bodies[child] if last else None
             self._add_link(link, body, np.eye(4) if place else X_PB, before)
             element = self._add_joint_between(name, _TYPES[primitive.kind], before, link)
+            if primitive.kind == "screw":
+                pitch = math.tau * primitive.lead
+                add_text(element, "screw_thread_pitch", number(pitch))
             if primitive.kind != "ball":
                 _add_axis(element, primitive, sign)
             before = link

@@ -21,7 +21,7 @@ from scipy.integrate import solve_ivp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.contact import ContactLaw
-from drake_leg.simulink.dynamics.shapes import Ball, Barrel, Box, Ground, Hull
+from drake_leg.simulink.dynamics.shapes import Ball, Barrel, Box, Ground, Hull, Rim
 
 CURVES = "sm_lib/Curves and Surfaces/"
 LAW = {
@@ -166,6 +166,9 @@ def test_corners_of_a_cylinder_are_its_deepest_points():
     lying = barrel.toward(np.array([0.0, -1.0, 0.0]))
     assert lying[:, 1].min() == pytest.approx(-0.2)
     assert (lying[:, 1] < -0.1).sum() == 2
+    rim = Rim(rim=0.2).toward(np.array([0.0, -1.0, 0.3]))
+    assert rim[:, 1].min() == pytest.approx(-0.2)
+    assert not rim[:, 2].any()
     standing = barrel.toward(np.array([0.0, 0.0, -1.0]))
     assert (standing[:, 2] == -0.3).sum() == 4
 

@@ -192,3 +192,13 @@ def test_what_crosses_a_joint_is_its_reaction(tmp_path):
         np.testing.assert_allclose(tt[:2], tc[:2])
         assert tc[2] == pytest.approx(0.0, abs=1e-12)
         assert tt[2] == pytest.approx(0.7 - 0.3 * 1.3)
+
+
+def test_a_mechanism_that_stands_still_is_one(tmp_path):
+    built = MechanismBuilder()
+    built.body("Brick Solid", "Table", BrickDimensions="[1 1 1]")
+    built.meet("World", "Table")
+    system = dynamics(built, tmp_path)
+    context = system.CreateDefaultContext()
+    assert system.GetOutputPort("state").Eval(context).size == 0
+    assert system.GetOutputPort("efforts").Eval(context).size == 0

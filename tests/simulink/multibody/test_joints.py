@@ -111,8 +111,8 @@ def test_the_target_of_a_ball_is_a_rotation(tmp_path):
 
 
 def test_what_cannot_be_built_is_named(tmp_path):
-    with pytest.raises(InvalidValueError, match=r"'J'.*is a Lead Screw Joint"):
-        primitives_of(read(tmp_path, "Lead Screw"))
+    with pytest.raises(InvalidValueError, match=r"'J'.*is a Constant Velocity Joint"):
+        primitives_of(read(tmp_path, "Constant Velocity"))
     with pytest.raises(UnknownValueError, match="stiff"):
         primitives_of(read(tmp_path, "Revolute", SpringStiffness="stiff"))
     with pytest.raises(InvalidValueError, match=r"DampingCoefficient .* one number"):

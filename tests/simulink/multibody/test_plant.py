@@ -17,7 +17,7 @@ from drake_leg.simulink.multibody.sdf import mechanism_sdf
 GRAVITY = 9.80665
 KINDS = (
     "Revolute", "Prismatic", "Spherical", "Cylindrical", "Universal", "Planar", "Rectangular",
-    "Cartesian", "Gimbal", "Pin Slot", "6-DOF", "Telescoping", "Bushing", "Bearing",
+    "Cartesian", "Gimbal", "Pin Slot", "6-DOF", "Telescoping", "Bushing", "Bearing", "Lead Screw",
 )  # fmt: skip
 
 
