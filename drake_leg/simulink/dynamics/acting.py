@@ -94,8 +94,22 @@ class Acting:
 
     def sense(self, state: Array) -> Array:
         """Return what depends on the state alone, at the moment of that state."""
+        return self._sensed(state, self._of_state)
+
+    def sense_now(self, state: Array) -> Array:
+        """Return what depends on the state alone, as `sense`, but only what is read at once."""
+        return self._sensed(state, self._now)
+
+    def read_at_once(self, ports: frozenset[str]) -> None:
+        """Say which ports are read while the mechanism moves; others are only shown."""
+        starts = {self.sensed.slices[port].start for port in ports if port in self.sensed.slices}
+        self._now = [(entries, law) for entries, law in self._of_state if entries.start in starts]
+
+    def _sensed(
+        self, state: Array, laws: Iterable[tuple[slice, Callable[[Moment], float | Array]]]
+    ) -> Array:
         out: Array = self._linear @ state + self._offset
-        for entries, law in self._of_state:
+        for entries, law in laws:
             out[entries] = law(self.moment)
         return out
 
@@ -133,6 +147,7 @@ class Acting:
                 linear.append((entries, *quantity.linear))
             elif quantity.of_state is not None:
                 self._of_state.append((entries, _flat(quantity.of_state, quantity.shape)))
+        self._now = self._of_state
         self._linear = np.zeros((self.sensed.size, self.plant.num_multibody_states()))
         self._offset = np.zeros(self.sensed.size)
         for entries, row, offset in linear:

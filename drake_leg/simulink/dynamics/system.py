@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import (
     BasicVector,
     Context,
@@ -18,6 +17,8 @@ from pydrake.systems.framework import (
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.acting import Acting
+from drake_leg.simulink.dynamics.at_ports import AtPorts
+from drake_leg.simulink.dynamics.driven import DrivenMechanism, is_driven
 from drake_leg.simulink.dynamics.start import start_of
 from drake_leg.simulink.model import Model
 from drake_leg.simulink.multibody.bodies import Mechanism, mechanism_of
@@ -27,7 +28,7 @@ from drake_leg.simulink.multibody.mass import Array
 Contact = Literal["smooth", "pulling", "drake"]
 
 
-class MechanismSystem(Diagram):
+class MechanismSystem(AtPorts, Diagram):
     """The plant of a mechanism, driven and sensed at the ports of its Simulink model.
 
     ============ ==== ======== =====================================================
@@ -35,6 +36,7 @@ class MechanismSystem(Diagram):
     ============ ==== ======== =====================================================
     ``u``        in   n        signals that enter the mechanism, in SI: ``inputs``
     ``sensed``   out  m        what depends on the state alone: ``sensed``
+    ``now``      out  m        the same, but only what `read_at_once` named
     ``efforts``  out  k        what depends on ``u``, too: ``efforts``
     ``state``    out  nq + nv  of the plant: positions, then velocities
     ============ ==== ======== =====================================================
@@ -58,46 +60,19 @@ class MechanismSystem(Diagram):
             forces.GetOutputPort("force"), plant.get_applied_generalized_force_input_port()
         )
         builder.ExportInput(forces.GetInputPort("u"), "u")
-        for name in ("sensed", "efforts"):
+        for name in ("sensed", "now", "efforts"):
             builder.ExportOutput(forces.GetOutputPort(name), name)
         builder.ExportOutput(plant.get_state_output_port(), "state")
         builder.BuildInto(self)
 
     @property
-    def plant(self) -> MultibodyPlant:
-        """Its plant; a body at which a loop closes is two links in it."""
-        return self._acting.plant
+    def is_driven(self) -> bool:
+        """Whether motions alone say how it moves."""
+        return is_driven(self._acting)
 
-    @property
-    def inputs(self) -> Mapping[str, slice]:
-        """Entries of ``u`` by the port where the signal enters."""
-        return self._acting.inputs.slices
-
-    @property
-    def motions(self) -> frozenset[str]:
-        """Ports of inputs that take a position and its two derivatives."""
-        return frozenset(self._acting.joints.motion_ports)
-
-    @property
-    def sensed(self) -> Mapping[str, slice]:
-        """Entries of ``sensed`` by the port where the signal leaves."""
-        return self._acting.sensed.slices
-
-    @property
-    def efforts(self) -> Mapping[str, slice]:
-        """Entries of ``efforts`` by the port where the signal leaves."""
-        return self._acting.efforts.slices
-
-    @property
-    def shapes(self) -> Mapping[str, tuple[int, ...]]:
-        """Shapes of all signals by port; entries of a matrix are in rows."""
-        acting = self._acting
-        return {**acting.inputs.shapes, **acting.sensed.shapes, **acting.efforts.shapes}
-
-    @property
-    def left_out(self) -> Mapping[str, tuple[str, ...]]:
-        """What does not act here: kinds of blocks, and the names of theirs."""
-        return self._acting.left_out
+    def driven(self) -> DrivenMechanism:
+        """Return the same mechanism without states, where motions alone say how it moves."""
+        return DrivenMechanism(self._acting, self)
 
     def CreateDefaultContext(self) -> Context:
         """Return a context at the state targets, where loops are closed."""
@@ -164,6 +139,7 @@ class _Forces(LeafSystem):
         state, u, vdot = self._state.ticket(), self._u.ticket(), self._vdot.ticket()
         self.DeclareVectorOutputPort("force", nv, self._calc_force, {state, u})
         self.DeclareVectorOutputPort("sensed", acting.sensed.size, self._calc_sensed, {state})
+        self.DeclareVectorOutputPort("now", acting.sensed.size, self._calc_now, {state})
         self.DeclareVectorOutputPort(
             "efforts", acting.efforts.size, self._calc_efforts, {state, u, vdot}
         )
@@ -180,6 +156,10 @@ class _Forces(LeafSystem):
     def _calc_sensed(self, context: Context, sensed: BasicVector) -> None:
         self._acting.moment.move_to(self._state.Eval(context))
         sensed.SetFromVector(self._acting.sense(self._state.Eval(context)))
+
+    def _calc_now(self, context: Context, sensed: BasicVector) -> None:
+        self._acting.moment.move_to(self._state.Eval(context))
+        sensed.SetFromVector(self._acting.sense_now(self._state.Eval(context)))
 
     def _calc_efforts(self, context: Context, efforts: BasicVector) -> None:
         self._acting.moment.move_to(self._state.Eval(context))

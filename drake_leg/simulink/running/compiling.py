@@ -62,6 +62,7 @@ class Code:
     breaks: tuple[float, ...]
     waves: tuple[tuple[float, float], ...]
     needs_sensed: bool  # whether commands depend on what is sensed
+    read_at_once: frozenset[str]  # sensed ports that are not only shown
     needs_efforts: bool  # whether derivatives or events depend on efforts
     states: tuple[str, ...]  # names
     kinds: Mapping[str, int] = field(default_factory=dict)
@@ -329,6 +330,9 @@ class _Pass:
         r = [each.code for each in pen.recorded] + [name for name, _ in pen.stops]
         record = self._function("record", outputs, [f"r = [{', '.join(r)}]"], held, "r")
         major = self._major(outputs, afters, held)
+        lasting = self._reads(
+            outputs, [], [each for each in outputs if each.rate != CONTINUOUS or each.gates]
+        )
         u_reads = self._reads(outputs, u)
         dx_reads = self._reads(outputs, dx) | self._reads(outputs, [], afters)
         if u_reads & efforts:
@@ -349,6 +353,11 @@ class _Pass:
             breaks=tuple(sorted(pen.breaks)),
             waves=tuple(pen.waves),
             needs_sensed="y" in u_reads,
+            read_at_once=frozenset(
+                port
+                for port in self._ports.sensed
+                if _code_at(pen, port) in (u_reads | dx_reads | lasting)
+            ),
             needs_efforts=bool(dx_reads & efforts),
             states=tuple(state.name for state in pen.states.values()),
         )

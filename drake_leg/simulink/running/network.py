@@ -91,13 +91,14 @@ class _Reading:
             if split_port(target)[0] not in nodes
         }
         sensed = {port for port in self._read if split_port(port)[0] not in nodes}
+        variables = self._model.variables
         loops = {block.system for block in self._model.blocks if block.type in LOOPS}
         return SignalNetwork(
             nodes=nodes,
             commands=commands,
             sensed=frozenset(sensed),
             loops=tuple(self._systems[sid] for sid in loops if sid in self._systems),
-            folders=self._model.variables and self._model.variables.workspace.folders,
+            folders=None if variables is None else variables.workspace.folders,
         )
 
     def _has(self, sid: str) -> bool:

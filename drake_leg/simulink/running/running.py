@@ -27,6 +27,7 @@ from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.progress import interrupts_kept
+from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
 from drake_leg.simulink.model import Model, number, vector
 from drake_leg.simulink.running.compiling import Code, Ports, compile_signals, refuse
@@ -61,7 +62,9 @@ class ModelDiagram(Diagram):
         The vectors between both.
     """
 
-    def __init__(self, code: Code, mechanism: MechanismSystem | None, ports: Ports) -> None:
+    def __init__(
+        self, code: Code, mechanism: MechanismSystem | DrivenMechanism | None, ports: Ports
+    ) -> None:
         super().__init__()
         self.mechanism = mechanism
         builder = DiagramBuilder()
@@ -72,8 +75,9 @@ class ModelDiagram(Diagram):
         )
         if mechanism is not None:
             builder.AddNamedSystem("mechanism", mechanism)
-            for name, size in sizes.items():
-                if size:
+            mechanism.read_at_once(code.read_at_once)
+            for name in ("sensed", "now", "efforts"):
+                if self.signals.HasInputPort(name):
                     builder.Connect(mechanism.GetOutputPort(name), self.signals.GetInputPort(name))
             if commands:
                 builder.Connect(self.signals.GetOutputPort("u"), mechanism.GetInputPort("u"))
@@ -185,6 +189,8 @@ def runnable(
         u = _commands(code, ports)
         ports = _ports(mechanism, u)
         code = compile_signals(network, ports, fixed_step=fixed)
+        if not code.needs_sensed and mechanism.is_driven:
+            mechanism = mechanism.driven()
     return Runnable(
         name=model.name,
         diagram=ModelDiagram(code, mechanism, ports),
@@ -214,7 +220,7 @@ def _solver(model: Model, duration: float | None) -> dict[str, float]:
     return found
 
 
-def _ports(mechanism: MechanismSystem | None, u: Array | None) -> Ports:
+def _ports(mechanism: MechanismSystem | DrivenMechanism | None, u: Array | None) -> Ports:
     if mechanism is None:
         return Ports()
     context = mechanism.CreateDefaultContext()

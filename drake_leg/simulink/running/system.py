@@ -49,6 +49,7 @@ class SignalSystem(LeafSystem):
     port         kind  size                meaning
     ============ ===== =================== ==================================================
     ``sensed``   in    ``sensed``          what the mechanism senses of positions and speeds
+    ``now``      in    ``sensed``          the same, with what is read at once alone
     ``efforts``  in    ``efforts``         its forces and accelerations
     ``u``        out   ``commands``        forces and motions for the mechanism, in SI
     ``scopes``   out   ``code.recorded``   what sinks show, then whether a Stop block stops
@@ -74,12 +75,13 @@ class SignalSystem(LeafSystem):
         self.DeclareContinuousState(BasicVector(code.x))
         self._memory = self.DeclareAbstractState(AbstractValue.Make(Memory(code.memory)))
         self._sensed = self.DeclareVectorInputPort("sensed", sensed) if sensed else None
+        self._now = self.DeclareVectorInputPort("now", sensed) if sensed else None
         self._efforts = self.DeclareVectorInputPort("efforts", efforts) if efforts else None
         before = {self.time_ticket(), self.xc_ticket(), self.abstract_state_ticket(self._memory)}
         if commands:
             needs = set(before)
-            if code.needs_sensed and self._sensed is not None:
-                needs.add(self.input_port_ticket(self._sensed.get_index()))
+            if code.needs_sensed and self._now is not None:
+                needs.add(self.input_port_ticket(self._now.get_index()))
             self.DeclareVectorOutputPort("u", commands, self._calc_commands, needs)
         self.widths = [flat(each.value).size for each in code.recorded]
         size = sum(self.widths) + len(code.stops)
@@ -99,10 +101,12 @@ class SignalSystem(LeafSystem):
 
     # --- what is read ---
 
-    def _read(self, context: Context) -> tuple[float, list[float], Memory, Any, Any]:
-        sensed = self._sensed.Eval(context) if self._sensed is not None else self._none
+    def _read(self, context: Context, *, shown: bool = False) -> tuple[Any, ...]:
+        """Return time, states, memory, and what the mechanism senses."""
+        port = self._sensed if shown else self._now
+        sensed = port.Eval(context) if port is not None else self._none
         efforts = self._none
-        if self._efforts is not None and self.code.needs_efforts:
+        if self._efforts is not None and (shown or self.code.needs_efforts):
             efforts = self._efforts.Eval(context)
         return (*self._own(context), sensed, efforts)
 
@@ -113,8 +117,8 @@ class SignalSystem(LeafSystem):
 
     def _calc_commands(self, context: Context, output: BasicVector) -> None:
         sensed = self._none
-        if self.code.needs_sensed and self._sensed is not None:
-            sensed = self._sensed.Eval(context)
+        if self.code.needs_sensed and self._now is not None:
+            sensed = self._now.Eval(context)
         with np.errstate(all="ignore"):
             u = self._commands(*self._own(context), sensed, self._none)
         output.SetFromVector(u)
@@ -127,11 +131,8 @@ class SignalSystem(LeafSystem):
             derivatives.SetFromVector(self._derivatives(*self._read(context)))
 
     def _calc_scopes(self, context: Context, output: BasicVector) -> None:
-        t, x, memory, sensed, efforts = self._read(context)
-        if self._efforts is not None and not self.code.needs_efforts:
-            efforts = self._efforts.Eval(context)
         with np.errstate(all="ignore"):
-            shown = self._record(t, x, memory, sensed, efforts)
+            shown = self._record(*self._read(context, shown=True))
         output.SetFromVector(np.concatenate([flat(each) for each in shown]))
 
     # --- events ---
