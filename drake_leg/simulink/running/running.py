@@ -353,6 +353,8 @@ class _Watch:
         x = context.get_continuous_state_vector().CopyToVector()
         if not np.isfinite(x).all():
             return self._end(context, f"{_not_finite(self._diagram, context)} is not finite")
+        if self._diagram.mechanism is not None:
+            self._diagram.mechanism.follow(context)
         signals = self._diagram.signals
         if signals.code.stops:
             shown = signals.GetOutputPort("scopes").Eval(signals.GetMyContextFromRoot(context))
