@@ -42,8 +42,8 @@ if TYPE_CHECKING:
     from drake_leg.simulink.dynamics.system import Contact
     from drake_leg.simulink.lacks import Lack
     from drake_leg.simulink.model import Model
+    from drake_leg.simulink.running.columns import Column
     from drake_leg.simulink.running.running import ModelRun, Runnable
-    from drake_leg.simulink.running.summary import Column, SinkFigure
 
 OF_MODELS = ("duration", "accuracy")  # options of runs that models have, too
 
@@ -189,14 +189,11 @@ def _results(
     said: Sequence[str],
     chosen: argparse.Namespace,
 ) -> tuple[tuple[Column, ...], Recording, dict[str, Any]]:
-    from drake_leg.simulink.running.summary import (
-        columns_of,
-        recording_of,
-        remarks_of,
-        summary_of,
-    )
+    from drake_leg.simulink.running.columns import columns_of, labels_of, recording_of
+    from drake_leg.simulink.running.summary import remarks_of, summary_of
 
-    columns = columns_of(ready, run)
+    labels = labels_of(ready.code.recorded, ready.network)
+    columns = columns_of(labels, [each.values for each in run.shown])
     remarks = [*said, *remarks_of(model, ready, run)]
     replaced = [
         f"{block} puts out {what}" for block, what in replacements_in(chosen.replace).items()
@@ -206,7 +203,7 @@ def _results(
     if chosen.contact == "pulling":
         remarks.append("dampers of contacts may pull while two bodies part")
     summary = {"run": chosen.name, **summary_of(model, ready, run, columns, remarks)}
-    return columns, recording_of(run, columns), summary
+    return columns, recording_of(run.time, columns), summary
 
 
 def _draw(
@@ -218,24 +215,14 @@ def _draw(
     pictures: Pictures,
 ) -> None:
     """Add a figure of each sink to the data, one by one."""
-    from drake_leg.simulink.running.summary import figures_of
+    from drake_leg.pictures.plots.scope_plots import figure_of
+    from drake_leg.pictures.plots.style import save
+    from drake_leg.simulink.running.columns import figures_of
 
     with pictures.trying(f"a figure of {name}"):
         for sink in figures_of(columns):
             with pictures.trying(f"the figure {sink.file_name}"), folder.more() as scratch:
-                _draw_sink(name, run, sink, formats, scratch)
-
-
-def _draw_sink(
-    name: str, run: ModelRun, sink: SinkFigure, formats: Sequence[str], folder: Path
-) -> None:
-    from drake_leg.pictures.plots.scope_plots import Curve, scope_plot, xy_plot
-    from drake_leg.pictures.plots.style import save
-
-    axes = [[Curve(label=each.label, values=each.values) for each in one] for one in sink.axes]
-    title = f"{name}: {sink.title}"
-    figure = xy_plot(title, *axes) if sink.is_xy else scope_plot(title, run.time, axes)
-    save(figure, folder, sink.file_name, formats)
+                save(figure_of(name, run.time, sink), scratch, sink.file_name, formats)
 
 
 def _write_shows(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import cycle
 
 import numpy as np
@@ -19,22 +18,21 @@ from drake_leg.pictures.plots.style import (
     whole_ticks,
     widen_flat_axis,
 )
+from drake_leg.simulink.running.columns import Column, SinkFigure
 
 FIRST, MORE = 3.4, 1.9  # [inch]: height of a figure with one axes, and of each more
 MOST_AXES, MOST_NAMED = 12, 12  # axes of a figure, and lines of axes that are named
 LONGEST = 48  # letters of a label
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Curve:
-    """A line of a scope."""
-
-    label: str
-    values: Array  # (rows,)
+def figure_of(name: str, time: Array, sink: SinkFigure) -> Figure:
+    """Plot what a sink of a model shows over time [s]; an XY Graph, one signal over the other."""
+    title = f"{name}: {sink.title}"
+    return _xy_plot(title, *sink.axes) if sink.is_xy else _scope_plot(title, time, sink.axes)
 
 
-def scope_plot(title: str, time: Array, axes: Sequence[Sequence[Curve]]) -> Figure:
-    """Plot curves over time [s], as many axes as a scope has ports."""
+def _scope_plot(title: str, time: Array, axes: Sequence[Sequence[Column]]) -> Figure:
+    """Plot curves over time, as many axes as a scope has ports."""
     shown = axes[:MOST_AXES]
     height = FIRST + MORE * (len(shown) - 1)
     figure, places = new_figure(title, rows=len(shown), width=PLOT_WIDTH, height=height)
@@ -53,7 +51,7 @@ def scope_plot(title: str, time: Array, axes: Sequence[Sequence[Curve]]) -> Figu
     return figure
 
 
-def xy_plot(title: str, x: Sequence[Curve], y: Sequence[Curve]) -> Figure:
+def _xy_plot(title: str, x: Sequence[Column], y: Sequence[Column]) -> Figure:
     """Plot the curves of one port over those of another, pair by pair."""
     figure, (place,) = new_figure(title, width=PLOT_WIDTH, height=PLOT_WIDTH * 0.8)
     for across, up, (colour, style) in zip(x, y, LINES, strict=False):
@@ -74,7 +72,7 @@ def _finite(values: Array) -> Array:
     return np.where(np.isfinite(values), values, np.nan)
 
 
-def _short(curve: Curve) -> str:
+def _short(curve: Column) -> str:
     """Write a label without signs that would be read as a formula, or as no label."""
-    label = curve.label.replace("$", r"\$").lstrip("_") or "signal"
+    label = curve.label.name.replace("$", r"\$").lstrip("_") or "signal"
     return label if len(label) <= LONGEST else f"{label[: LONGEST - 1]}…"

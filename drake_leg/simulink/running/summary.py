@@ -1,172 +1,23 @@
-"""What a run of a model recorded: named columns, axes as its sinks would show, a summary."""
+"""The summary of a run of a model: what was understood, how it ran, what was recorded."""
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulation.recording import Recording
 from drake_leg.simulink.catalogue import JOINTS
-from drake_leg.simulink.model import Model, split_port
-from drake_leg.simulink.running.code import Recorded
-from drake_leg.simulink.running.network import Node, SignalNetwork
-from drake_leg.simulink.running.running import Array, ModelRun, Runnable
-from drake_leg.simulink.running.settings import shape_of
+from drake_leg.simulink.model import Model
+from drake_leg.simulink.running.columns import Column
+from drake_leg.simulink.running.running import ModelRun, Runnable
 
 SETTINGS = ("Solver", "SolverType", "StartTime", "StopTime", "RelTol", "AbsTol", "MaxStep",
             "FixedStep")  # fmt: skip
 MOST_NAMES = 60  # of states and skipped callbacks that a summary lists
-TIME = "time[s]"
-WORKSPACE, XY = "ToWorkspace", "XY Graph"
 NO_SINK = "no Scope or other sink of the model shows a signal"
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Column:
-    """One number of a signal that a sink shows, over time."""
-
-    header: str  # unique
-    label: str  # as in a legend
-    sink: str  # path of the block
-    kind: str  # of the block
-    port: int
-    signal: str  # "" where it has no name
-    values: Array  # (rows,)
-
-
-def columns_of(ready: Runnable, run: ModelRun) -> tuple[Column, ...]:
-    """Name what was recorded: ``Scope.theta``, ``simout(1)``."""
-    sinks = {_place(node): node for node in ready.network.nodes.values()}
-    short = _shortened({each.block for each in ready.code.recorded})
-    used = {"time"}
-    found: list[Column] = []
-    for recorded, shown in zip(ready.code.recorded, run.shown, strict=True):
-        node = sinks.get(recorded.block)
-        label = _plain(recorded.name or _driver(ready.network, node, recorded.port))
-        base = _base(recorded, node, short[recorded.block], label)
-        for index, values in zip(_indices(recorded.value), shown.values.T, strict=True):
-            found.append(
-                Column(
-                    header=_unique(f"{base}{index}", used),
-                    label=f"{label}{index}",
-                    sink=recorded.block,
-                    kind=node.block.kind if node else "",
-                    port=recorded.port,
-                    signal=recorded.name,
-                    values=values,
-                )
-            )
-    return tuple(found)
-
-
-def recording_of(run: ModelRun, columns: Iterable[Column]) -> Recording:
-    """Return the table of a run."""
-    return Recording({TIME: run.time, **{each.header: each.values for each in columns}})
-
-
-def _place(node: Node) -> str:
-    return node.block.path or node.block.name
-
-
-def _base(recorded: Recorded, node: Node | None, sink: str, label: str) -> str:
-    if node is not None and node.block.kind == WORKSPACE:
-        return label
-    alone = node is not None and sum(port is not None for port in node.inputs) == 1
-    if label == sink or (alone and not recorded.name):
-        return sink
-    return f"{sink}.{label}"
-
-
-def _driver(network: SignalNetwork, node: Node | None, port: int) -> str:
-    """Name the block that drives a port, as a Scope's legend does where a signal has no name."""
-    source = node.inputs[port - 1] if node is not None else None
-    if source is None:
-        return f"port {port}"
-    sid, _, number = split_port(source)
-    driver = network.nodes.get(sid)
-    if driver is None:
-        return f"port {port}"
-    return driver.block.name if len(driver.outputs) < 2 else f"{driver.block.name}:{number}"
-
-
-def _indices(value: Any) -> list[str]:  # noqa: ANN401 - a signal
-    """Number the entries of a signal, a matrix by columns."""
-    shape = shape_of(value)
-    if not shape:
-        return [""]
-    if len(shape) == 1:
-        return [f"({n + 1})" for n in range(shape[0])]
-    return [f"({row + 1},{column + 1})" for column in range(shape[1]) for row in range(shape[0])]
-
-
-def _plain(name: str) -> str:
-    """Write a name so that a header can hold it, where brackets hold units."""
-    return " ".join(name.replace("[", "(").replace("]", ")").split())
-
-
-def _shortened(paths: set[str]) -> dict[str, str]:
-    """Shorten paths to as many of their last names as tell them apart."""
-    found = {}
-    for path in paths:
-        parts = path.split("/")
-        for count in range(1, len(parts) + 1):
-            short = "/".join(parts[-count:])
-            if sum(other == short or other.endswith(f"/{short}") for other in paths) == 1:
-                break
-        found[path] = _plain(short)
-    return found
-
-
-def _unique(name: str, used: set[str]) -> str:
-    found, number = name, 2
-    while found in used:
-        found, number = f"{name}_{number}", number + 1
-    used.add(found)
-    return found
-
-
-# --- as the sinks would show it ---------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SinkFigure:
-    """What a sink shows: axes, one for each port."""
-
-    file_name: str  # without ending
-    title: str
-    axes: tuple[tuple[Column, ...], ...]
-    is_xy: bool  # the second port over the first
-
-
-def figures_of(columns: Iterable[Column]) -> tuple[SinkFigure, ...]:
-    """Group the columns as the sinks show them."""
-    sinks: dict[str, dict[int, list[Column]]] = {}
-    for column in columns:
-        sinks.setdefault(column.sink, {}).setdefault(column.port, []).append(column)
-    short = _shortened(set(sinks))
-    used: set[str] = set()
-    found = []
-    for sink, ports in sinks.items():
-        first = next(iter(ports.values()))[0]
-        word = re.sub(r"[^\w.-]+", "_", short[sink]).strip("._") or "sink"
-        found.append(
-            SinkFigure(
-                file_name=_unique(word[:60].lower(), used),
-                title=_plain(sink),
-                axes=tuple(tuple(each) for each in ports.values()),
-                is_xy=first.kind == XY and len(ports) == 2,
-            )
-        )
-    return tuple(found)
-
-
-# --- the summary -------------------------------------------------------------------------------
 
 
 def summary_of(
@@ -177,7 +28,6 @@ def summary_of(
     remarks: Iterable[str],
 ) -> dict[str, Any]:
     """Tell what was understood of a model, how it ran, and what was recorded."""
-    columns = tuple(columns)
     return {
         "model": model.name,
         "duration_s": ready.solver["duration"],
@@ -200,13 +50,13 @@ def summary_of(
         "understood": _understood(model, ready),
         "columns": [
             {
-                "header": column.header,
-                "block": column.sink,
-                "kind": column.kind,
-                "port": column.port,
-                "signal": column.signal,
+                "header": label.header,
+                "block": label.sink,
+                "kind": label.kind,
+                "port": label.port,
+                "signal": label.signal,
             }
-            for column in columns
+            for label in (column.label for column in columns)
         ],
         "remarks": [*remarks],
     }
