@@ -103,6 +103,15 @@ class Recorded:
     port: int
 
 
+@dataclass(frozen=True, kw_only=True)
+class Call:
+    """A call that makes a constant: how a script writes one that is no number."""
+
+    function: str
+    arguments: tuple[Any, ...]
+    named: Mapping[str, Any] = field(default_factory=dict)
+
+
 class Pen:
     """All that is written for a model: sections, constants, states, memory."""
 
@@ -129,6 +138,7 @@ class Pen:
         self.gates_of: dict[str, tuple[str, ...]] = {}  # port -> what lets it run
         self.stores: dict[str, int] = {}  # data stores by name -> slot
         self.initial: dict[str, Signal] = {}  # of outputs that are held, where they are given
+        self.written: dict[str, Call] = {}  # constants that are no numbers, and what makes them
         self.scope: dict[str, Any] = {**NAMESPACE, "t": 0.0, "x": [], "m": self.slots}
         self.scope |= {"y": np.zeros(0), "e": np.zeros(0)}
         self._names: set[str] = {*NAMESPACE, *GIVEN, *dir(builtins)}

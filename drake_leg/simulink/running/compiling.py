@@ -14,6 +14,7 @@ from drake_leg.simulink.model import split_port
 from drake_leg.simulink.running.code import (
     CONTINUOUS,
     MAJOR,
+    Call,
     Operand,
     Pen,
     Recorded,
@@ -65,7 +66,7 @@ class Code:
     read_at_once: frozenset[str]  # sensed ports that are not only shown
     needs_efforts: bool  # whether derivatives or events depend on efforts
     states: tuple[str, ...]  # names
-    kinds: Mapping[str, int] = field(default_factory=dict)
+    written: Mapping[str, Call] = field(default_factory=dict)  # constants that are no numbers
 
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Compile the source, which is of our own making."""
@@ -360,6 +361,7 @@ class _Pass:
             ),
             needs_efforts=bool(dx_reads & efforts),
             states=tuple(state.name for state in pen.states.values()),
+            written=dict(pen.written),
         )
 
     def _hold(self) -> dict[str, int]:

@@ -137,6 +137,7 @@ class Runnable:
     ports: Ports
     network: SignalNetwork
     solver: dict[str, float] = field(default_factory=dict)
+    start: Array | None = None  # what enters the mechanism at the start
     remarks: tuple[str, ...] = ()
 
 
@@ -198,6 +199,7 @@ def runnable(
         ports=ports,
         network=network,
         solver=solver,
+        start=_commands(code, ports) if ports.inputs else None,
     )
 
 
@@ -277,8 +279,7 @@ def run_model(
     diagram = ready.diagram
     context = diagram.CreateDefaultContext()
     if diagram.mechanism is not None:
-        u = _commands(ready.code, ready.ports) if ready.ports.inputs else None
-        diagram.mechanism.start(context, u)
+        diagram.mechanism.start(context, ready.start)
     duration = ready.solver["duration"]
     simulator = Simulator(diagram, context)
     longest = ready.solver.get("longest step", duration / STEPS if duration else 1.0)

@@ -10,7 +10,7 @@ import numpy as np
 from drake_leg.simulink.matlab.checking import means_something
 from drake_leg.simulink.matlab.compiling import compiled
 from drake_leg.simulink.matlab.folders import Folders
-from drake_leg.simulink.running.code import Operand, Writer
+from drake_leg.simulink.running.code import Call, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.network import Node
 from drake_leg.simulink.running.operations import settled
@@ -37,7 +37,9 @@ def expression_code(w: Writer, text: str, names: Mapping[str, Operand]) -> str:
     function = Expression(text, (*names, *given), w.pen.folders)
     constants = (w.constant(value, name) for name, value in given.items())
     arguments = ", ".join((*(one.code for one in names.values()), *constants))
-    return f"{w.constant(function, 'expression')}({arguments})"
+    name = w.constant(function, "expression")
+    w.pen.written[name] = Call(function="Expression", arguments=(text, (*names, *given)))
+    return f"{name}({arguments})"
 
 
 def _free_names(w: Writer, text: str, names: Mapping[str, Operand]) -> list[str]:
@@ -90,6 +92,11 @@ def matlab_function(w: Writer) -> None:
     inputs = [w.input(place) for place in range(len(function.inputs))]
     arguments = ", ".join(one.code for one in inputs)
     keeps = re.search(r"^\s*persistent\b", script, re.MULTILINE) is not None
+    w.pen.written[name] = Call(
+        function="compiled",
+        arguments=(script,),
+        named={"name": w.node.block.name, "parameters": w.parameters_of_function()},
+    )
     before = "{}"
     if keeps:
         before = f"copied({w.remembered(function.start()).code})"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drake_leg.simulink.running.code import Writer
+from drake_leg.simulink.running.code import Call, Writer
 from drake_leg.simulink.running.kinds import kind
 
 
@@ -71,6 +71,7 @@ def _one(w: Writer, points: np.ndarray, values: np.ndarray, beyond: str, method:
         from scipy.interpolate import CubicSpline
 
         curve = w.constant(CubicSpline(points, values), "curve")
+        w.pen.written[curve] = Call(function="CubicSpline", arguments=(points, values))
         w.out(f"float({curve}({u.code}))" if u.is_scalar else f"{curve}({u.code})")
         return
     if u.is_scalar:

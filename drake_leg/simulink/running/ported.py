@@ -1,0 +1,81 @@
+"""What the script of a ported model uses: signals whose code it holds, a mechanism from data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+from drake_leg.simulink.dynamics.system import MechanismSystem, mechanism_dynamics
+from drake_leg.simulink.model import Block, Model, Value
+from drake_leg.simulink.running.compiling import Code, Ports
+from drake_leg.simulink.running.network import SignalNetwork
+from drake_leg.simulink.running.running import Array, ModelDiagram, ModelRun, Runnable, run_model
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WrittenCode(Code):
+    """The signals of a model whose functions are written in a script."""
+
+    source: str = ""
+    scope: Mapping[str, Any] = field(default_factory=dict)
+    written_functions: tuple[Callable[..., Any], ...]
+
+    def functions(self) -> dict[str, Callable[..., Any]]:
+        """Return the functions by their names."""
+        return {function.__name__: function for function in self.written_functions}
+
+
+def mechanism_from(data: Mapping[str, Any]) -> MechanismSystem:
+    """Build a mechanism from the data of its blocks and of what connects their ports."""
+    blocks = [
+        Block(
+            sid=each["sid"],
+            name=each["name"],
+            type=each["type"],
+            source=each.get("source", ""),
+            system="",
+            parameters={name: _value(value) for name, value in each["parameters"].items()},
+            mask=tuple(each.get("mask", ())),
+            path=each.get("path", each["name"]),
+        )
+        for each in data["blocks"]
+    ]
+    model = Model(
+        name=data["name"],
+        blocks=tuple(blocks),
+        wires=(),
+        nodes=tuple(tuple(node) for node in data["connections"]),
+        functions=(),
+        solver={},
+    )
+    return mechanism_dynamics(model, contact=data["contact"])
+
+
+def _value(value: Any) -> Value:  # noqa: ANN401 - as JSON has it
+    return tuple(map(_value, value)) if isinstance(value, list) else cast(Value, value)
+
+
+def simulated(
+    diagram: ModelDiagram,
+    *,
+    name: str,
+    start: Array | None = None,
+    accuracy: float | None = None,
+    **solver: float,
+) -> ModelRun:
+    """Simulate a diagram as `drake-leg run` simulates its model.
+
+    ``start`` is what enters the mechanism at the start; ``solver`` has the ``duration`` [s], and
+    where the model's file has them, its ``tolerance``, ``longest_step`` [s] and ``fixed_step`` [s].
+    """
+    ready = Runnable(
+        name=name,
+        diagram=diagram,
+        code=diagram.signals.code,
+        ports=Ports(),
+        network=SignalNetwork(nodes={}, commands={}, sensed=frozenset()),
+        solver={key.replace("_", " "): value for key, value in solver.items()},
+        start=start,
+    )
+    return run_model(ready, accuracy=accuracy)
