@@ -43,6 +43,7 @@ COMMANDS = {
     "sdf": ("drake_leg.cli.robots", "write a robot as SDF, as TOML or as a .par file"),
     "check": ("drake_leg.cli.robots", "prove a robot, or grade a print against it"),
     "inspect": ("drake_leg.cli.simulink", "list what a Simulink model holds"),
+    "port": ("drake_leg.cli.port", "write a Simulink model as a Python script for Drake"),
     "compare": ("drake_leg.cli.simulink", "compare a Simulink model with a run or another model"),
     "diagram": (
         "drake_leg.cli.diagram",
@@ -65,6 +66,7 @@ EXAMPLES = {
     "sdf": "sdf leg-b --out leg-b.sdf",
     "check": "check leg-b",
     "inspect": "inspect leg.slx",
+    "port": "port leg.slx --out leg.py",
     "compare": "compare leg.slx leg-b",
     "diagram": "diagram leg-b --out leg-b.svg",
 }

@@ -51,7 +51,7 @@ OF_MODELS = ("duration", "accuracy")  # options of runs that models have, too
 def run_model_file(chosen: argparse.Namespace) -> int:
     """Run a model, write what was recorded, and draw it."""
     refuse_options_of_runs(chosen)
-    duration, accuracy = (_positive(chosen, name) for name in OF_MODELS)
+    duration, accuracy = (positive(chosen, name) for name in OF_MODELS)
     formats = CHOICES[CHOSEN] if chosen.figures is None else formats_of(chosen.figures)
     folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
     check_shows(chosen)
@@ -59,6 +59,7 @@ def run_model_file(chosen: argparse.Namespace) -> int:
         require_matplotlib()
     model, ready, said = runnable_file(Path(chosen.name), chosen, duration=duration)
     _require_mechanism(chosen, ready)
+    require_contact(chosen, ready)
     pictures = Pictures()
     with saved() as hold:
         run = _carried_out(ready, chosen.name, accuracy, hold)
@@ -92,7 +93,7 @@ def refuse_options_of_runs(chosen: argparse.Namespace) -> None:
     )
 
 
-def _positive(chosen: argparse.Namespace, name: str) -> float | None:
+def positive(chosen: argparse.Namespace, name: str) -> float | None:
     """Read an option that is a positive number, None where it was not given."""
     text = getattr(chosen, name, None)
     if text is None:
@@ -122,7 +123,7 @@ def runnable_file(
     def ready_to_run(model: Model) -> Runnable:
         return runnable(model, duration=duration, contact=contact)
 
-    with _about(path), at_work(chosen.name, "the model is read"):
+    with about(path), at_work(chosen.name, "the model is read"):
         model = read()
         try:
             return model, ready_to_run(model), []
@@ -142,7 +143,7 @@ def _lacks(model: Model) -> list[Lack]:
 
 
 @contextmanager
-def _about(path: Path) -> Iterator[None]:
+def about(path: Path) -> Iterator[None]:
     """Name the file in what is wrong about it."""
     try:
         yield
@@ -160,9 +161,14 @@ def _require_mechanism(chosen: argparse.Namespace, ready: Runnable) -> None:
         return
     given = {"--stills": chosen.stills, **{f"--{name}": True for name in shows_of(chosen)}}
     refuse_ignored(given, "shows a mechanism, and this model has none")
-    refuse_ignored(
-        {"--contact": chosen.contact is not None}, "is for mechanisms, and this model has none"
-    )
+
+
+def require_contact(chosen: argparse.Namespace, ready: Runnable) -> None:
+    """Refuse a law of contact where there is no mechanism."""
+    if ready.diagram.mechanism is None:
+        refuse_ignored(
+            {"--contact": chosen.contact is not None}, "is for mechanisms, and this model has none"
+        )
 
 
 def _carried_out(

@@ -48,6 +48,8 @@ ALWAYS = {
     "inverse": {"--foot", "--json", "--pose", "--q", "--tip"},
     "sdf": {"--toml", "--par", "--out"},
     "check": {"--printed", "--json"},
+    "port": {"--path", "--init", "--variant", "--set", "--replace", "--duration", "--accuracy",
+             "--out", "--overwrite", "--contact"},
     "inspect": {"--blocks", "--json", "--path", "--init", "--variant"},
     "compare": OF_RUNS | {"--path", "--init", "--variant", "--json", "--strict", "--frequency",
                           "--direction", "--gain"},

@@ -6,10 +6,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+import numpy as np
+
 from drake_leg.simulink.dynamics.system import MechanismSystem, mechanism_dynamics
 from drake_leg.simulink.model import Block, Model, Value
-from drake_leg.simulink.running.compiling import Code, Ports
+from drake_leg.simulink.running.code import Recorded
+from drake_leg.simulink.running.compiling import FUNCTIONS, Code, Ports
 from drake_leg.simulink.running.network import SignalNetwork
+from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.running import Array, ModelDiagram, ModelRun, Runnable, run_model
 
 
@@ -19,11 +23,34 @@ class WrittenCode(Code):
 
     source: str = ""
     scope: Mapping[str, Any] = field(default_factory=dict)
-    written_functions: tuple[Callable[..., Any], ...]
+    x: Array = field(default_factory=lambda: np.zeros(0))
+    memory: tuple[Any, ...] = ()
+    rates: tuple[Rate, ...] = ()
+    has_major: bool = False
+    resets: bool = False
+    recorded: tuple[Recorded, ...] = ()
+    stops: tuple[tuple[str, str], ...] = ()
+    breaks: tuple[float, ...] = ()
+    waves: tuple[tuple[float, float], ...] = ()
+    needs_sensed: bool = False
+    needs_efforts: bool = False
+    states: tuple[str, ...] = ()
+    calls: tuple[Callable[..., Any], ...]  # those of its functions that do something
 
     def functions(self) -> dict[str, Callable[..., Any]]:
-        """Return the functions by their names."""
-        return {function.__name__: function for function in self.written_functions}
+        """Return the functions by their names; what is not written does nothing."""
+        idle = dict.fromkeys(FUNCTIONS, _nothing)
+        return {**idle, **{function.__name__: function for function in self.calls}}
+
+
+def _nothing(*_: object) -> Array:
+    return np.zeros(0)
+
+
+def shown(block: str, port: int, name: str, shape: tuple[int, ...] = ()) -> Recorded:
+    """Describe a signal that a sink shows at a port."""
+    value = np.zeros(shape) if shape else 0.0
+    return Recorded(block=block, port=port, name=name, code="", value=value)
 
 
 def mechanism_from(data: Mapping[str, Any]) -> MechanismSystem:
@@ -53,7 +80,8 @@ def mechanism_from(data: Mapping[str, Any]) -> MechanismSystem:
 
 
 def _value(value: Any) -> Value:  # noqa: ANN401 - as JSON has it
-    return tuple(map(_value, value)) if isinstance(value, list) else cast(Value, value)
+    found = tuple(map(_value, value)) if isinstance(value, list) else value
+    return cast(Value, found)
 
 
 def simulated(

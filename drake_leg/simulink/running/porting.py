@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import math
+import re
 import runpy
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
@@ -24,6 +25,7 @@ from drake_leg.simulink.running.code import NAMESPACE, Call, Recorded, literal
 from drake_leg.simulink.running.columns import labels_of
 from drake_leg.simulink.running.compiling import Code
 from drake_leg.simulink.running.folding import WIDTH, folded
+from drake_leg.simulink.running.kinds.functions import Expression
 from drake_leg.simulink.running.running import Array, ModelDiagram, Runnable
 from drake_leg.simulink.running.settings import shape_of
 from drake_leg.simulink.wiring import physical_part
@@ -41,12 +43,19 @@ TITLES = {
     "memory": "what blocks remember at the start",
     "rates": "sample times: period and offset [s]",
     "recorded": "what sinks show",
+    "states": "their names",
     "breaks": "times at which signals have corners [s]",
 }
 PYDRAKE = {
     "Diagram": "pydrake.systems.framework",
     "DiagramBuilder": "pydrake.systems.framework",
+    "TriggerType": "pydrake.systems.framework",
+    "LogVectorOutput": "pydrake.systems.primitives",
 }
+NOTHING = (["pass"], ["u = zeros(0)", "return u"], ["dx = zeros(0)", "return dx"],
+           ["r = []", "return r"])  # fmt: skip
+SENSED = re.compile(r"^# sensed at ([^#]+)#\w+:\d+$")
+MATLAB = {"compiled": compiled, "Expression": Expression}
 RUNNING = "drake_leg.simulink.running"
 MODULES = {
     **PYDRAKE,
@@ -54,7 +63,7 @@ MODULES = {
     "CubicSpline": "scipy.interpolate",
     "compiled": "drake_leg.simulink.matlab.compiling",
     "Expression": f"{RUNNING}.kinds.functions",
-    "Recorded": f"{RUNNING}.code",
+    "shown": f"{RUNNING}.ported",
     "Label": f"{RUNNING}.columns",
     "columns_of": f"{RUNNING}.columns",
     "figures_of": f"{RUNNING}.columns",
@@ -63,7 +72,6 @@ MODULES = {
     "WrittenCode": f"{RUNNING}.ported",
     "mechanism_from": f"{RUNNING}.ported",
     "simulated": f"{RUNNING}.ported",
-    "logged": f"{RUNNING}.running",
     "figure_of": "drake_leg.pictures.plots.scope_plots",
     "save": "drake_leg.pictures.plots.style",
 }
@@ -116,7 +124,9 @@ class _Writing:
         self._contact, self._accuracy = contact, accuracy
         self._mechanism = _mechanism_data(model, contact) if ready.diagram.mechanism else None
         self._arrays: dict[str, Any] = {}
-        self._functions = [text.strip("\n") for text in ready.code.source.split("\n\n\n")]
+        self._paths = {block.sid: block.path or block.name for block in model.blocks}
+        functions = [text.strip("\n") for text in ready.code.source.split("\n\n\n")]
+        self._functions = [text for text in functions if _does_something(text)]
 
     def data(self) -> str:
         """Return the data beside the script."""
@@ -141,8 +151,8 @@ class _Writing:
         )
         reads = self._mechanism is not None or self._arrays
         if reads:
-            data = f'DATA = Path(__file__).with_name("{data_name(self._name)}")'
-            body = f'{data}\ndata = json.loads(DATA.read_text(encoding="utf-8"))\n\n{body}'
+            place = f"Path(__file__).with_name({data_name(self._name)!r})"
+            body = f'data = json.loads({place}.read_text(encoding="utf-8"))\n\n{body}'
         body += '\n\n\nif __name__ == "__main__":\n    main()\n'
         return f"{self._head()}{_imports(body)}\n\n{body}"
 
@@ -182,23 +192,17 @@ class _Writing:
         yield "class Signals(SignalSystem):"
         yield f'    """The blocks of signals of {self._title}, in the order in which they run.'
         yield ""
-        yield "    In its functions, t is the time [s], x are the continuous states, m is what blocks"
-        yield "    remember, y and e are what the mechanism senses: of its state, and of forces and"
+        yield "    In its functions, t is the time [s], x are the continuous states, m is what"
+        yield "    blocks remember; y is what the mechanism senses of its state, e of forces and"
         yield "    accelerations."
         yield '    """'
         yield ""
         yield "    def __init__(self) -> None:"
         yield "        code = WrittenCode("
-        yield "            written_functions=("
-        for function in self._functions:
-            yield f"                self.{_name_of(function)},"
-        yield "            ),"
+        calls = ", ".join(f"self.{_name_of(function)}" for function in self._functions)
+        yield f"            calls=({calls}{',' if len(self._functions) == 1 else ''}),"
         for field in fields(Code):
-            if field.name not in OWN:
-                value = getattr(self._ready.code, field.name)
-                if field.name in TITLES and len(value):
-                    yield f"            # {TITLES[field.name]}"
-                yield from folded(f"{field.name}={self._field(field.name, value)},", 12)
+            yield from self._field(field.name, getattr(self._ready.code, field.name))
         yield "        )"
         sizes = f"sensed={ports.y.size}, efforts={ports.e.size}, commands={commands}"
         yield f"        super().__init__(code{f', {sizes}' if mechanism else ''})"
@@ -210,20 +214,25 @@ class _Writing:
             yield f'        """{SAID[_name_of(function)]}"""'
             for line in lines:
                 indent = 4 + len(line) - len(line.lstrip())
-                yield from folded(line.strip(), indent)
+                yield from folded(self._told(line.strip()), indent)
 
-    def _field(self, name: str, value: Any) -> str:  # noqa: ANN401 - of any kind
-        if name != "recorded":
-            return _written(value, name)
-        return f"({' '.join(f'{self._recorded(each)},' for each in value)})"
+    def _field(self, name: str, value: Any) -> Iterator[str]:  # noqa: ANN401 - of any kind
+        """Write a field of the code, unless it has none of it."""
+        if name in OWN or not (value.size if isinstance(value, np.ndarray) else value):
+            return
+        if name in TITLES:
+            yield f"            # {TITLES[name]}"
+        if name == "recorded":
+            yield "            recorded=("
+            for each in value:
+                yield from folded(f"{_recorded(each)},", 16)
+            yield "            ),"
+            return
+        yield from folded(f"{name}={_written(value, name)},", 12)
 
-    def _recorded(self, each: Recorded) -> str:
-        shape = shape_of(each.value)
-        value = f"zeros({shape})" if shape else "0.0"
-        return (
-            f"Recorded(block={each.block!r}, port={each.port}, name={each.name!r}, "
-            f"code={each.code!r}, value={value})"
-        )
+    def _told(self, line: str) -> str:
+        """Name the block at whose port something is sensed."""
+        return SENSED.sub(lambda found: f"# {self._paths.get(found[1], found[1])}", line)
 
     def _diagram(self) -> Iterator[str]:
         diagram = self._ready.diagram
@@ -243,24 +252,25 @@ class _Writing:
             for port in ("sensed", "efforts"):
                 if signals.HasInputPort(port):
                     yield "        builder.Connect("
-                    yield f'            mechanism.GetOutputPort("{port}"), '
-                    yield f'            self.signals.GetInputPort("{port}")'
+                    yield f'            mechanism.GetOutputPort("{port}"),'
+                    yield f'            self.signals.GetInputPort("{port}"),'
                     yield "        )"
             if signals.HasOutputPort("u"):
                 yield "        builder.Connect("
-                yield '            self.signals.GetOutputPort("u"), mechanism.GetInputPort("u")'
+                yield '            self.signals.GetOutputPort("u"),'
+                yield '            mechanism.GetInputPort("u"),'
                 yield "        )"
-        scopes = 'logged(self.signals.GetOutputPort("scopes"), builder)'
-        yield f"        self.scopes = {scopes if diagram.scopes is not None else 'None'}"
-        states = 'logged(mechanism.GetOutputPort("state"), builder)'
-        yield f"        self.states = {states if diagram.states is not None else 'None'}"
+        scopes = _log("self.signals", "scopes") if diagram.scopes is not None else "None"
+        states = _log("mechanism", "state") if diagram.states is not None else "None"
+        yield f"        self.scopes = {scopes}"
+        yield f"        self.states = {states}"
         yield "        builder.BuildInto(self)"
 
     # --- the run ---
 
     def _main(self) -> Iterator[str]:
         ready = self._ready
-        yield "LABELS = ("
+        yield "labels = ("
         for label in labels_of(ready.code.recorded, ready.network):
             said = ", ".join(repr(part) for part in label)
             yield from folded(f"Label({said}),", 4)
@@ -269,7 +279,7 @@ class _Writing:
         yield ""
         yield "def run():"
         yield '    """Simulate the model."""'
-        given = [f'name="{self._name}"']
+        given = [f"name={self._title!r}"]
         if ready.start is not None:
             given.append(f"start={_written(ready.start, 'start')}")
         given += [f"{key.replace(' ', '_')}={literal(v)}" for key, v in ready.solver.items()]
@@ -280,18 +290,35 @@ class _Writing:
         yield ""
         yield "def main() -> None:"
         yield '    """Simulate the model, and write what its sinks show: a table, and figures."""'
-        yield f'    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "{self._name}_run")'
+        yield f"    folder = Path(sys.argv[1] if len(sys.argv) > 1 else {f'{self._name}_run'!r})"
         yield "    done = run()"
-        yield "    columns = columns_of(LABELS, [shown.values for shown in done.shown])"
+        yield "    columns = columns_of(labels, [each.values for each in done.shown])"
         yield "    folder.mkdir(parents=True, exist_ok=True)"
         yield '    recording_of(done.time, columns).write_csv(folder / "recording.csv")'
         yield "    for sink in figures_of(columns):"
-        yield f'        figure = figure_of("{self._name}", done.time, sink)'
+        yield f"        figure = figure_of({self._title!r}, done.time, sink)"
         yield '        save(figure, folder, sink.file_name, ("png",))'
-        yield '    print(f"wrote {folder}: {len(done.time)} rows to {done.ended:g} s", done.stopped)'
+        yield '    print(f"wrote {folder}: {len(done.time)} rows, to {done.ended:g} s")'
+        yield "    if done.stopped:"
+        yield "        print(done.stopped)"
 
 
 # --- text ----------------------------------------------------------------------------------------
+
+
+def _log(system: str, port: str) -> str:
+    inner = f'{system}.GetOutputPort("{port}"), builder, {{TriggerType.kForced}}'
+    return f"LogVectorOutput(\n            {inner}\n        )"
+
+
+def _does_something(function: str) -> bool:
+    lines = function.split("\n")[1:]
+    return [line.strip() for line in lines] not in NOTHING
+
+
+def _recorded(each: Recorded) -> str:
+    shape = shape_of(each.value)
+    return f"shown({each.block!r}, {each.port}, {each.name!r}{f', {shape}' if shape else ''})"
 
 
 def _names_in(text: str) -> set[str]:
@@ -309,7 +336,9 @@ def _imports(body: str) -> str:
         module = MODULES.get(name) or (_module_of(name) if name in NAMESPACE else "")
         if module:
             modules.setdefault(module, []).append(name)
-    lines = {module: f"from {module} import {', '.join(names)}" for module, names in modules.items()}
+    lines = {
+        module: f"from {module} import {', '.join(names)}" for module, names in modules.items()
+    }
     lines |= {text.split()[1]: text for name, text in WHOLE.items() if name in used}
     groups: dict[int, list[str]] = {}
     for module in sorted(lines, key=lambda module: (lines[module].startswith("from"), module)):
@@ -366,9 +395,11 @@ def _written(value: Any, name: str) -> str:  # noqa: ANN401 - of any kind
 
 
 def _called(call: Call) -> str:
-    if call.function == "compiled":
+    if call.function in MATLAB:
         _require_alone(call)
-    words = [_text(each) if isinstance(each, str) else _written(each, "") for each in call.arguments]
+    words = [
+        _text(each) if isinstance(each, str) else _written(each, "") for each in call.arguments
+    ]
     words += [f"{key}={_written(value, key)}" for key, value in call.named.items() if value]
     return f"{call.function}({', '.join(words)})"
 
@@ -376,10 +407,12 @@ def _called(call: Call) -> str:
 def _require_alone(call: Call) -> None:
     """Refuse code that calls functions in other files, which the script would not have."""
     try:
-        compiled(*call.arguments, **call.named)
+        MATLAB[call.function](*call.arguments, **call.named)
     except InvalidValueError as error:
+        name = call.named.get("name", call.arguments[0])
         raise InvalidValueError(
-            f"the MATLAB Function {call.named.get('name')!r} needs what is not in it: {error}"
+            f"the MATLAB code {name!r} needs functions in other files, which the script would not "
+            f"have: {error}"
         ) from None
 
 
@@ -442,7 +475,9 @@ def _mechanism_data(model: Model, contact: Contact) -> dict[str, Any]:
     for block in blocks:
         assert isinstance(block.parameters, _Read)
         each = {"sid": block.sid, "name": block.name, "type": block.type, "source": block.source}
-        more = {"path": block.path, "mask": list(block.mask)} if block.mask else {"path": block.path}
+        more = (
+            {"path": block.path, "mask": list(block.mask)} if block.mask else {"path": block.path}
+        )
         listed.append({**each, **more, "parameters": dict(block.parameters.read)})
     return {
         "name": model.name,
@@ -477,13 +512,18 @@ def _prove(script: Script, ready: Runnable, name: str) -> None:
         place.write_text(script.text, encoding="utf-8")
         if script.data:
             (Path(folder) / data_name(name)).write_text(script.data, encoding="utf-8")
-        theirs = runpy.run_path(str(place))["Model"]()
+        theirs = _model_of(place)
     ours = _outputs(ready.diagram, ready)
     for port, values in _outputs(theirs, ready).items():
         if not np.array_equal(ours[port], values, equal_nan=True):
             raise InvalidValueError(
                 f"the script would differ from the model at the start, in its port {port!r}"
             )
+
+
+def _model_of(place: Path) -> ModelDiagram:
+    made: ModelDiagram = runpy.run_path(str(place))["Model"]()
+    return made
 
 
 def _outputs(diagram: ModelDiagram, ready: Runnable) -> dict[str, Array]:
