@@ -7,7 +7,7 @@ import json
 import math
 import re
 import runpy
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -54,8 +54,9 @@ PYDRAKE = {
 }
 NOTHING = (["pass"], ["u = zeros(0)", "return u"], ["dx = zeros(0)", "return dx"],
            ["r = []", "return r"])  # fmt: skip
+END = ['if __name__ == "__main__":', "    main()"]
 SENSED = re.compile(r"^# sensed at ([^#]+)#\w+:\d+$")
-MATLAB = {"compiled": compiled, "Expression": Expression}
+MATLAB: dict[str, Callable[..., Any]] = {"compiled": compiled, "Expression": Expression}
 RUNNING = "drake_leg.simulink.running"
 MODULES = {
     **PYDRAKE,
@@ -120,7 +121,8 @@ class _Writing:
     def __init__(
         self, model: Model, ready: Runnable, name: str, contact: Contact, accuracy: float | None
     ) -> None:
-        self._ready, self._name, self._title = ready, name, model.name
+        self._ready, self._name = ready, name
+        self._title = model.name.replace("\\", "/").replace('"', "'")
         self._contact, self._accuracy = contact, accuracy
         self._mechanism = _mechanism_data(model, contact) if ready.diagram.mechanism else None
         self._arrays: dict[str, Any] = {}
@@ -139,22 +141,16 @@ class _Writing:
 
     def text(self) -> str:
         """Return the script."""
-        body = "\n\n\n".join(
-            "\n".join(lines)
-            for lines in (
-                list(self._constants()),
-                list(self._signals()),
-                list(self._diagram()),
-                list(self._main()),
-            )
-            if lines
-        )
-        reads = self._mechanism is not None or self._arrays
-        if reads:
+        first = [*self._constants()]
+        if self._mechanism is not None or self._arrays:
             place = f"Path(__file__).with_name({data_name(self._name)!r})"
-            body = f'data = json.loads({place}.read_text(encoding="utf-8"))\n\n{body}'
-        body += '\n\n\nif __name__ == "__main__":\n    main()\n'
-        return f"{self._head()}{_imports(body)}\n\n{body}"
+            first = [f'data = json.loads({place}.read_text(encoding="utf-8"))', *first]
+        parts = [[*self._signals()], [*self._diagram()], [*self._main()], END]
+        if first:
+            parts = [first, *parts]
+        body = "\n\n\n".join("\n".join(lines) for lines in parts)
+        between = "\n\n" if first else "\n\n\n"
+        return f"{self._head()}{_imports(body)}{between}{body}\n"
 
     def _head(self) -> str:
         title = self._title
@@ -336,13 +332,16 @@ def _imports(body: str) -> str:
         module = MODULES.get(name) or (_module_of(name) if name in NAMESPACE else "")
         if module:
             modules.setdefault(module, []).append(name)
-    lines = {
-        module: f"from {module} import {', '.join(names)}" for module, names in modules.items()
-    }
-    lines |= {text.split()[1]: text for name, text in WHOLE.items() if name in used}
+    lines = [
+        (_rank(module), 1, module, f"from {module} import {', '.join(names)}")
+        for module, names in modules.items()
+    ]
+    for name, text in WHOLE.items():
+        if name in used:
+            lines.append((_rank(text.split()[1]), 0, text, text))
     groups: dict[int, list[str]] = {}
-    for module in sorted(lines, key=lambda module: (lines[module].startswith("from"), module)):
-        groups.setdefault(_rank(module), []).extend(_folded_import(lines[module]))
+    for rank, _, _, text in sorted(lines):
+        groups.setdefault(rank, []).extend(_folded_import(text))
     return "\n\n".join("\n".join(groups[rank]) for rank in sorted(groups))
 
 
@@ -522,7 +521,8 @@ def _prove(script: Script, ready: Runnable, name: str) -> None:
 
 
 def _model_of(place: Path) -> ModelDiagram:
-    made: ModelDiagram = runpy.run_path(str(place))["Model"]()
+    names: dict[str, Any] = runpy.run_path(str(place))
+    made: ModelDiagram = names["Model"]()
     return made
 
 

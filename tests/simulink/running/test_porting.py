@@ -1,0 +1,138 @@
+"""Ported models: their scripts run alone, and give what the models give."""
+
+import ast
+import runpy
+
+import numpy as np
+import pytest
+from mechanism_models import pendulum
+from rigs import Rig
+from signal_models import charted, oscillator
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.reader import read_model
+from drake_leg.simulink.running.folding import WIDTH, folded
+from drake_leg.simulink.running.porting import INLINE, data_name, ported
+from drake_leg.simulink.running.running import run_model, runnable
+
+GREATEST = 1e-12  # difference between a model's run and its script's
+
+
+def both(built, folder, duration, **options):
+    """Run a model, and its script where the model's file is no more; return both runs."""
+    file = built.write(folder / "m.slx")
+    model = read_model(file)
+    ready = runnable(model, duration=duration, **options)
+    script = ported(model, ready, "alone", accuracy=1e-7)
+    file.unlink()
+    (folder / "alone.py").write_text(script.text, encoding="utf-8")
+    if script.data:
+        (folder / data_name("alone")).write_text(script.data, encoding="utf-8")
+    ours = run_model(ready, accuracy=1e-7)
+    return ours, runpy.run_path(str(folder / "alone.py"))["run"](), script
+
+
+def require_same(ours, theirs):
+    assert (ours.ended, ours.steps, ours.stopped) == (theirs.ended, theirs.steps, theirs.stopped)
+    assert len(ours.shown) == len(theirs.shown)
+    np.testing.assert_array_equal(ours.time, theirs.time)
+    np.testing.assert_allclose(ours.states, theirs.states, rtol=0, atol=GREATEST)
+    for one, other in zip(ours.shown, theirs.shown, strict=True):
+        assert (one.block, one.name, one.port) == (other.block, other.name, other.port)
+        np.testing.assert_allclose(one.values, other.values, rtol=0, atol=GREATEST)
+
+
+def test_an_oscillator(tmp_path):
+    ours, theirs, script = both(oscillator(), tmp_path, 1.0)
+    require_same(ours, theirs)
+    np.testing.assert_allclose(theirs.shown[0].values[:, 0], np.cos(theirs.time), atol=1e-6)
+    assert script.data == ""
+    for said in ("DiagramBuilder()", "# Speed", "# Place", "def derivatives(t, x, m, y, e):"):
+        assert said in script.text
+
+
+def test_sample_times_code_tables_and_stops(tmp_path):
+    rig = Rig()
+    clock = rig.block("Clock", "Clock")
+    u = rig.block("Sin", "Sine", Frequency="3")
+    delayed = rig.block("UnitDelay", "Delay", u, SampleTime="0.05", InitialCondition="0.3")
+    rig.show(rig.block("DiscreteIntegrator", "Sum", delayed, SampleTime="0.1"), "sum")
+    rig.show(rig.block("Memory", "Before", u), "before")
+    rig.show(rig.block("Fcn", "Formula", u, Expr="2*u^2 - 1"), "formula")
+    points, values = "linspace(-1, 1, 500)", "linspace(-1, 1, 500).^3"
+    table = {"BreakpointsForDimension1": points, "Table": values}
+    rig.show(rig.block("Lookup_n-D", "Table", u, NumberOfTableDimensions="1", **table), "cube")
+    code = rig.add_function("Counter", "function y = f(u)\n% it's \"kept\"\npersistent n\n"
+                            "if isempty(n)\n n = 0;\nend\nn = n + u;\ny = [n; 2*n];\n")  # fmt: skip
+    rig.connect(delayed, code)
+    rig.show(code, "counted")
+    late = rig.block("RelationalOperator", "Late", clock, rig.constant("0.4"), Operator=">=")
+    rig.connect(late, rig.add_block("Stop", "Enough"))
+    ours, theirs, script = both(rig, tmp_path, 1.0)
+    assert "'Enough' stops it" in theirs.stopped
+    assert theirs.by_block
+    require_same(ours, theirs)
+    assert '"arrays"' in script.data  # 500 numbers are more than a script should hold
+    assert INLINE < 500
+    assert "persistent n" in script.text
+
+
+def test_a_replaced_block(tmp_path):
+    (tmp_path / "t.csv").write_text("0,0\n1,2\n", encoding="utf-8")
+    replaced = {"Chart": str(tmp_path / "t.csv")}
+    require_same(*both(charted(), tmp_path, 1.0, replace=replaced)[:2])
+
+
+@pytest.mark.parametrize("mode", ["torque", "motion"])
+def test_a_mechanism_that_is_driven_and_sensed(tmp_path, mode):
+    modes = {
+        "torque": {"TorqueActuationMode": "InputTorque"},
+        "motion": {"TorqueActuationMode": "ComputedTorque", "MotionActuationMode": "InputMotion"},
+    }[mode]
+    built = pendulum(
+        **modes, SensePosition="on", DampingCoefficient="0.3", PositionTargetSpecify="on",
+        PositionTargetValue="20", PositionTargetPriority="Low",
+    )  # fmt: skip
+    drive = built.add_block("Sin", "Drive", {"Frequency": "4", "Amplitude": "0.5"})
+    inward = built.add_library("nesl_utility/Simulink-PS Converter", "In")
+    outward = built.add_library("nesl_utility/PS-Simulink Converter", "Out")
+    scope = built.add_block("Scope", "Scope", ports={"in": 1})
+    built.connect(drive, inward)
+    built.meet("In", "Pivot lconn:2")
+    built.meet("Pivot rconn:2", "Out lconn:1")
+    built.connect(outward, scope, name="theta")
+    if mode == "motion":
+        built.set("In", FilteringAndDerivatives="filter", SimscapeFilterOrder="2",
+                  InputFilterTimeConstant="0.1")  # fmt: skip
+    ours, theirs, script = both(built, tmp_path, 0.3)
+    require_same(ours, theirs)
+    assert np.ptp(theirs.shown[0].values) > 1e-3
+    assert 'mechanism.GetOutputPort("sensed")' in script.text
+    assert '"DampingCoefficient"' in script.data
+    assert "LowerLimitSpringStiffness" not in script.data  # which nothing reads
+
+
+def test_code_that_needs_other_files_is_refused(tmp_path):
+    (tmp_path / "twice.m").write_text("function y = twice(u)\ny = 2*u;\n", encoding="utf-8")
+    rig = Rig()
+    code = rig.add_function("Doubler", "function y = f(u)\ny = twice(u);\n")
+    rig.connect(rig.block("Clock", "Clock"), code)
+    rig.show(code, "doubled")
+    with pytest.raises(InvalidValueError, match=r"Doubler.*functions in other files"):
+        both(rig, tmp_path, 1.0)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        f"a = f([{', '.join(map(str, range(60)))}], x['an, odd] name'], \"it's, so\")",
+        "short = 1",
+        f"b = {{{', '.join(f'{n!r}: ({n}, {n})' for n in range(40))}}}",
+    ],
+)
+def test_a_folded_line_means_the_same(line):
+    lines = folded(line, 4)
+    assert all(len(one) <= WIDTH for one in lines)
+    assert all(one.startswith("    ") for one in lines)
+    whole = "\n".join(["if True:", *lines])
+    assert ast.dump(ast.parse(whole).body[0].body[0]) == ast.dump(ast.parse(line).body[0])
