@@ -25,19 +25,19 @@ from drake_leg.simulink.compare.findings import (
     put_together,
     report,
 )
-from drake_leg.simulink.compare.inverse import (
+from drake_leg.simulink.compare.mechanics import compare_mechanism
+from drake_leg.simulink.compare.model_function import (
     compare_function,
     function_roles,
     match_inverse,
 )
-from drake_leg.simulink.compare.mechanics import (
-    compare_mechanism,
+from drake_leg.simulink.compare.of_diagram import DiagramSignals
+from drake_leg.simulink.compare.of_model import SENSORS
+from drake_leg.simulink.compare.run_settings import (
     compare_sensor,
     compare_settings,
     locate_nodes,
 )
-from drake_leg.simulink.compare.of_diagram import DiagramSignals
-from drake_leg.simulink.compare.of_model import SENSORS
 from drake_leg.simulink.compare.sides import (
     LiveModel,
     Roles,

@@ -1,16 +1,14 @@
-"""What differs in the mechanisms: joints, bodies, solids, sensors, gravity, the run's times."""
+"""What differs in two mechanisms: joints, bodies, solids, and between what sensors measure."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import numpy as np
-from pydrake.multibody.tree import FrameIndex
 
 from drake_leg.kinematics.khalil import Array
 from drake_leg.simulink.compare.alignment import NEAR, AlignedBody, Miss
 from drake_leg.simulink.compare.findings import (
-    Blocks,
     Check,
     Verdict,
     check,
@@ -23,11 +21,8 @@ from drake_leg.simulink.compare.findings import (
 from drake_leg.simulink.compare.graph import GraphJoint, Passed, Place, SolidFacts
 from drake_leg.simulink.compare.mechanisms import Mechanisms
 from drake_leg.simulink.compare.of_model import SENSORS
-from drake_leg.simulink.compare.of_plant import Links
-from drake_leg.simulink.compare.sides import Sides
 from drake_leg.simulink.mechanism import rotation_text
-from drake_leg.simulink.model import Block, vector
-from drake_leg.systems.frame_sensor import FrameSensor
+from drake_leg.simulink.model import Block
 
 UNITS = {  # of a turning joint's parameters, and of a sliding one's
     "SpringStiffness": ("N*m/rad", "N/m"),
@@ -70,9 +65,7 @@ METHODS = {
 }
 PLACED = ("sm_lib/Body Elements/", "sm_lib/Joints/")  # what has a place in a mechanism
 UNPLACED = ("Graphic", "Inertia Sensor", "Variable Mass")
-SAME_PLACE = 1e-9  # [m]
 SAME_INERTIA = 1e-6  # of the greatest moment
-ZERO = (0.0, 0.0, 0.0)
 NOWHERE = "it is connected to nothing that leads to the World Frame"
 
 
@@ -162,33 +155,9 @@ def _why_lost(sides: Mechanisms, body: int) -> str:
 
 
 def _on_branch(sides: Mechanisms, head: GraphJoint) -> str:
-    return f"it is on the branch of {head.name!r} (SID {head.sid}), which {sides.other} has not"
-
-
-def compare_sensor(sides: Sides) -> Iterator[Verdict]:
-    """Compare the sensor of the foot."""
-    pair = next(iter(sides.mechanisms.matching.sensors.items()), None)
-    names = sides.live.of_type(FrameSensor)
-    if pair is None:
-        for sensor in sides.mechanisms.ours.sensors:
-            block = sides.block(sensor.sid)
-            yield missing(block, "the diagram senses no frame against another")
-        return
-    block = sides.block(sides.mechanisms.ours.sensors[pair[0]].sid)
-    yield from compare_sensors(sides.mechanisms)
-    seen_from = str(block.parameters.get("MeasurementFrame", "World"))
-    if block.kind == "Transform Sensor" and seen_from not in ("World", "Base"):
-        yield different(block.sid, block.name, "MeasurementFrame", seen_from, "World")
-    for name, value in block.parameters.items():
-        acts = any(name.endswith(what) for what in ("SpringStiffness", "DampingCoefficient"))
-        if acts and "Limit" not in name and any(vector(value)):
-            yield different(block.sid, block.name, name, value, 0.0)
-        if name.endswith("ActuationMode") and str(value).startswith("Input"):
-            yield different(block.sid, block.name, name, value, "none")
-    yield matched(block, repr(names[0]), names)
-    for sensor in sides.mechanisms.ours.sensors:
-        if sensor.number != pair[0]:
-            yield missing(sides.block(sensor.sid), "the diagram senses one frame only")
+    return (
+        f"it is on the branch of {head.name!r} (SID {head.sid}), which {sides.other} does not have"
+    )
 
 
 def compare_sensors(sides: Mechanisms) -> Iterator[Verdict]:
@@ -214,76 +183,22 @@ def compare_sensors(sides: Mechanisms) -> Iterator[Verdict]:
                 yield different(block.sid, block.name, what, here, there)
 
 
-def compare_settings(sides: Sides) -> Iterator[Verdict]:
-    """Compare gravity and the times of the run; name the counterparts of world and solver."""
-    live_gravity = tuple(sides.plant.gravity_field().gravity_vector().tolist())
-    name, scheme, duration = sides.plant.get_name(), sides.run.scheme, sides.run.duration
-    has_gravity = has_solver = False
-    for block in sides.flat.blocks:
-        if block.kind == "World Frame":
-            yield matched(block, f"world frame of {name!r}")
-        elif block.kind == "Reference Frame":
-            yield matched(block, "a frame of the plant")
-        elif block.kind == "Mechanism Configuration":
-            has_gravity = True
-            checked = _check_gravity(block, live_gravity)
-            yield from differences(checked)
-            yield matched(block, f"gravity of {name!r}", parameters=[checked.item])
-        elif block.kind == "Solver Configuration":
-            has_solver = True
-            yield matched(block, f"the Simulator's integrator, {scheme}")
-    if not has_gravity and any(live_gravity):
-        yield different("", "(model)", "GravityVector", ZERO, live_gravity, unit="m/s^2")
-    if not has_solver:
-        yield extra("solver", name=scheme)
-    solver = sides.model.solver
-    stop, begin = solver.get("StopTime"), solver.get("StartTime", 0.0)
-    if not isinstance(stop, float) or not np.isclose(stop, duration, rtol=1e-12, atol=0.0):
-        yield different("", "(solver)", "StopTime", stop, duration, unit="s")
-    if begin != 0.0:
-        yield different("", "(solver)", "StartTime", begin, 0.0, unit="s")
-    item = {
-        "what": "solver",
-        "name": str(solver.get("Solver", "")),
-        "counterpart": f"integrator {scheme}",
-        "parameters": [{"parameter": "StopTime", "simulink": stop, "drake": duration, "unit": "s"}],
-    }
-    yield Verdict(list="matched", item=item)
-
-
-def locate_nodes(sides: Sides, judged: Blocks) -> Iterator[Verdict]:
-    """Name the frame, or the signal at a joint, that every physical connection is."""
-    frames = _frames(sides)
-    for index, node in enumerate(sides.flat.nodes):
-        if index not in sides.mechanisms.frames:
-            sids = {port.partition("#")[0] for port in node}
-            lost = sids <= judged.missing.keys()
-            counterpart = "nothing" if lost else "a signal of a joint or a sensor"
-        else:
-            body, X = sides.mechanisms.frames[index]
-            theirs = sides.mechanisms.matching.bodies.get(body)
-            near = [
-                name
-                for other, name, p in frames
-                if other == theirs and np.abs(p - X[:3, 3]).max() < SAME_PLACE
-            ]
-            shown = ", ".join(f"{value:.6g}" for value in X[:3, 3])
-            counterpart = f"frame {near[0]!r}" if near else f"a pose of link {body} at ({shown}) m"
-            counterpart = "nothing" if theirs is None else counterpart
-        item = {"what": "node", "ports": list(node), "counterpart": counterpart}
-        yield Verdict(list="matched", item=item)
-
-
 def _compare_joint(
     ours: GraphJoint, theirs: GraphJoint | None, sides: Mechanisms
 ) -> Iterator[Verdict]:
-    """Compare a joint of the tree, or one that closes a loop, with its counterpart."""
+    """Compare a joint of the tree, or one that closes a loop, with its counterpart.
+
+    Of joints of two kinds, only what both have is compared.
+    """
     block = sides.block(ours.sid)
     if theirs is None:
         yield missing(block, _why_no_joint(sides, ours))
         return
     checks = [check(block, "type", ours.type, theirs.type)]
-    for name in dict.fromkeys([*ours.parameters, *theirs.parameters]):
+    names = dict.fromkeys([*ours.parameters, *theirs.parameters])
+    if ours.type != theirs.type:
+        names = {name: None for name in ours.parameters if name in theirs.parameters}
+    for name in names:
         if "TargetValue" in name and not _counts(ours, theirs, name):
             continue
         default: float | str = DEFAULTS.get(name, "none" if "Limit" in name else 0.0)
@@ -304,7 +219,7 @@ def _why_no_joint(sides: Mechanisms, ours: GraphJoint) -> str:
     if head is not None and head.number != ours.number:
         return _on_branch(sides, head)
     if ours in sides.ours.loops:
-        return f"it closes a loop, which {sides.other} has not"
+        return f"it closes a loop, which {sides.other} does not have"
     if ours.parent not in sides.matching.bodies:
         return NOWHERE
     joints = len(sides.theirs.joints)
@@ -341,8 +256,8 @@ def _misplaced(miss: Miss, sides: Mechanisms) -> Verdict:
     else:
         name = f"{miss.what} from the joint to {GOALS[miss.place.role]}"
         both = miss.measured, miss.expected
-    named: list[Passed | Block] = [*way] or [sides.block(miss.place.sid)]
-    sid, names = (", ".join(getattr(one, part) for one in named) for part in ("sid", "name"))
+    sids = dict.fromkeys([passed.sid for passed in way] or [miss.place.sid])
+    sid, names = ", ".join(sids), ", ".join(sides.block(one).name for one in sids)
     if miss.what == "rotation":
         return different(sid, names, name, *map(rotation_text, both))
     return different(sid, names, name, *map(_rounded, both), unit="m")
@@ -448,22 +363,3 @@ def _extents(R: Array, size: tuple[float, ...]) -> Array:
     """Edges of a brick along the axes of another frame."""
     turned: Array = np.abs(R) @ np.array(size)
     return turned
-
-
-def _check_gravity(block: Block, live: tuple[float, ...]) -> Check:
-    uniform = str(block.parameters.get("UniformGravity", "Constant"))
-    if uniform == "TimeVarying":
-        return check(block, "UniformGravity", uniform, "Constant")
-    gravity = ZERO if uniform == "None" else vector(block.parameters.get("GravityVector"))
-    return check(block, "GravityVector", gravity, live, unit="m/s^2")
-
-
-def _frames(sides: Sides) -> list[tuple[int, str, Array]]:
-    """List the plant's frames: number of the joint that carries it, name, place in that link."""
-    links = Links(sides.plant)
-    found = []
-    for index in range(sides.plant.num_frames()):
-        frame = sides.plant.get_frame(FrameIndex(index))
-        number, X = links.locate(frame)
-        found.append((number, frame.name(), X[:3, 3]))
-    return found

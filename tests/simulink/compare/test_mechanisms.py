@@ -26,8 +26,9 @@ def changed(found):
     return sorted((item["name"], item["parameter"]) for item in found.different)
 
 
-@pytest.mark.parametrize("legs", [1, 5])
-@pytest.mark.parametrize("order", [lambda model: model, drawn_first_last], ids=["after", "before"])
+@pytest.mark.parametrize(
+    ("legs", "order"), [(1, lambda model: model), (5, drawn_first_last)], ids=["after", "before"]
+)
 def test_further_legs_are_missing_and_the_one_leg_is_compared(compared, legs, order):
     model = published_leg()
     for leg in range(legs):
@@ -207,7 +208,7 @@ def test_a_joint_that_closes_a_loop_is_named_as_that(compared):
     model.physical(f"{world}#rconn:1", f"{pin}#lconn:1")
     model.physical(f"{pin}#rconn:1", f"{model.sid('Spherical Solid')}#rconn:1")
     (one,) = compared(model).missing
-    assert (one["name"], one["why"]) == ("Pin", "it closes a loop, which Drake has not")
+    assert (one["name"], one["why"]) == ("Pin", "it closes a loop, which Drake does not have")
 
 
 def test_a_ball_on_the_world_has_no_counterpart(compared):

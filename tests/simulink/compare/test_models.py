@@ -144,9 +144,8 @@ def test_a_model_drawn_otherwise_agrees_both_ways(compared, drawn):
     ],
     ids=lambda value: value if isinstance(value, str) else None,
 )
-@pytest.mark.parametrize("draw", [lambda model: model, renamed], ids=["same names", "other names"])
-def test_one_changed_number_is_one_difference(compared, draw, block, changes, expected):
-    found = compared(published_leg().set(block, **changes), draw(published_leg()))
+def test_one_changed_number_is_one_difference(compared, block, changes, expected):
+    found = compared(published_leg().set(block, **changes), renamed(published_leg()))
     assert changed(found) == [(block.replace("\n", " "), expected or next(iter(changes)))]
     assert not found.missing
     assert not found.extra
@@ -272,7 +271,11 @@ def test_a_force_at_another_place(compared):
 def test_a_joint_of_another_kind(compared):
     model = published_leg()
     model.blocks[model.sid("Revolute Joint2")].source = REVOLUTE.replace("Revolute", "Prismatic")
-    assert ("Revolute Joint2", "type") in changed(compared(model, published_leg()))
+    found = changed(compared(model, published_leg()))
+    assert [parameter for name, parameter in found if name == "Revolute Joint2"] == ["type"]
+    model.blocks[model.sid("Revolute Joint2")].source = REVOLUTE.replace("Revolute", "Universal")
+    found = changed(compared(model, published_leg()))
+    assert [parameter for name, parameter in found if name == "Revolute Joint2"] == ["type"]
 
 
 def test_a_unit_that_measures_something_else(compared):
