@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from drake_leg.simulink.matlab import operators, syntax
+from drake_leg.simulink.matlab.calling import bind, guarded, locate, results
 from drake_leg.simulink.matlab.data import (
     Allowance,
     Cell,
@@ -52,10 +54,10 @@ class Interpreter:
                 self.budget.step()
                 jump = self._statement(statement, frame)
             except (SpentError, StopError) as fault:
-                _locate(fault, frame)
+                locate(fault, frame)
                 raise
             except MatlabError as fault:
-                _locate(fault, frame)
+                locate(fault, frame)
                 if not frame.lenient:
                     raise
                 self._leave_out(statement, frame, str(fault))
@@ -448,7 +450,8 @@ class Interpreter:
         if own := self._own(name, frame):
             return self._enter(*own, arguments, wanted, frame)
         if name in SPECIAL:
-            return SPECIAL[name](self, arguments, wanted, frame)
+            act = partial(SPECIAL[name], self, arguments, wanted, frame)
+            return list(guarded(name, len(arguments), act))
         if name in CONSTANTS and not arguments:
             return [CONSTANTS[name]]
         if name in KNOWN:
@@ -469,7 +472,7 @@ class Interpreter:
                 self.budget.work(given.size if isinstance(given, np.ndarray) else len(given))
             elif isinstance(given, (Cell, Structs)):
                 self.budget.step(given.items.size // 10)
-        found = _guarded(name, len(arguments), lambda: KNOWN[name](self.budget, wanted, *arguments))
+        found = guarded(name, len(arguments), lambda: KNOWN[name](self.budget, wanted, *arguments))
         values = list(found) if isinstance(found, tuple) else [found]
         for value in values:
             if isinstance(value, (np.ndarray, str)):
@@ -492,87 +495,12 @@ class Interpreter:
         self._descend(frame, function.name)
         frame.kept = Kept(self.memory, file, function)
         frame.given, frame.wanted = len(arguments), wanted
-        self._bind(function, arguments, frame)
+        bind(self, function, arguments, frame)
         self.block(function.body, frame)
         for name in caller.shared:
             caller.values[name] = self.globals[name]
-        return _results(function, frame, wanted)
-
-    def _bind(self, function: syntax.Function, arguments: Values, frame: Frame) -> None:
-        """Give the arguments of a call to the inputs of a function."""
-        inputs = function.inputs
-        options = [entry for entry in function.arguments if entry.option]
-        if inputs and inputs[-1] == "varargin":
-            rest = arguments[len(inputs) - 1 :]
-            frame.values["varargin"] = Cell(boxed([rest]) if rest else boxed([]))
-            inputs = inputs[:-1]
-        elif options:
-            inputs = inputs[:-1]
-            frame.values[options[0].name] = Struct()
-        elif len(arguments) > len(inputs):
-            raise MatlabError(
-                f"{function.name} is given {len(arguments)} values; its inputs are {len(inputs)}"
-            )
-        frame.values.update(zip(inputs, arguments, strict=False))
-        frame.values.pop("~", None)
-        given = arguments[len(inputs) :] if options else []
-        named = {str(key): value for key, value in zip(given[::2], given[1::2], strict=False)}
-        for entry in function.arguments:
-            if entry.option and entry.option in named:
-                frame.values[entry.name][entry.option] = named[entry.option]
-            elif entry.default is not None and (entry.option or entry.name not in frame.values):
-                value = self.value(entry.default, frame)
-                if entry.option:
-                    frame.values[entry.name][entry.option] = value
-                else:
-                    frame.values[entry.name] = value
+        return results(function, frame, wanted)
 
     def main(self, function: syntax.Function, file: File, arguments: Values, wanted: int) -> Values:
         """Call a function from outside."""
         return self._enter(function, file, arguments, wanted, Frame(values={}, file=file))
-
-
-def _results(function: syntax.Function, frame: Frame, wanted: int) -> Values:
-    outputs = list(function.outputs)
-    found: Values = []
-    for name in outputs[: max(1, wanted)]:
-        if name == "varargout" and name == outputs[-1]:
-            more = frame.values.get(name)
-            found.extend(more.items.ravel(order="F") if isinstance(more, Cell) else [])
-        elif name in frame.values:
-            found.append(frame.values[name])
-        elif wanted:
-            fault = MatlabError(f"the output '{name}' never gets a value", function.line)
-            fault.function = function.name
-            raise fault
-    if len(found) < wanted:
-        raise MatlabError(
-            f"{function.name} is asked for {wanted} values; its outputs are {len(outputs)}"
-        )
-    return found
-
-
-def _locate(fault: MatlabError, frame: Frame) -> None:
-    if fault.line is None:
-        fault.line = frame.line
-    if not fault.function and frame.function is not None:
-        fault.function = frame.function.name
-
-
-def _guarded(name: str, count: int, act: Callable[[], Any]) -> Any:
-    """Call a function of the library; what it cannot take is said in one sentence."""
-    try:
-        return act()
-    except MatlabError:
-        raise
-    except MemoryError:
-        raise SpentError(f"'{name}' needs more memory than there is") from None
-    except TypeError:
-        many = "this argument" if count == 1 else f"these {count} arguments"
-        raise MatlabError(
-            f"'{name}' does not take {many}" if count else f"'{name}' needs arguments"
-        ) from None
-    except (ValueError, IndexError, ArithmeticError, AttributeError, KeyError) as error:
-        raise MatlabError(f"'{name}': {str(error)[:120]}") from None
-    except np.linalg.LinAlgError as error:
-        raise MatlabError(f"'{name}': {error}") from None

@@ -201,6 +201,7 @@ def test_what_is_singular_is_infinite_without_a_warning(body, expected):
         ("function y = f(u)\ny = 'a';", "line 1: the text 'a' is not a number"),
         ("function y = f(u)\nif 0/0, y = 1; end", "line 2: NaN is neither true nor false"),
         ("function y = f(u)\ny = disp(u);", "line 2: 'disp' returns no value"),
+        ("function y = f(u)\ny = feval();", "line 2: 'feval' needs arguments"),
         (
             "function y = f(u)\nerror('id:x', 'too far')",
             "line 2: it stops with the error 'too far'",
