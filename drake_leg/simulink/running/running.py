@@ -39,7 +39,7 @@ from drake_leg.simulink.running.system import SignalSystem
 
 Array = NDArray[np.float64]
 ACCURACY = 1e-6
-ROWS = 1000  # of a recording
+ROWS = 500  # of a recording
 STEPS = 50  # at least, of a run, as Simulink takes
 SAME_TIME = 1e-9  # [s]
 SHORTEST_STEP = 1e-10  # of the duration
