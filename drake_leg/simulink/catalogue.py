@@ -565,6 +565,7 @@ _ROBOTICS: dict[str, Parameters] = {
 }
 
 LIBRARIES: dict[str, dict[str, Parameters]] = {
+    "cstblocks": {"LTI System": choices(sys="tf(1,[1 1])", IC="[]")},
     "robotcorelib": _ROBOTICS,
     "robotlib": _ROBOTICS,
     "sm_lib": MULTIBODY,

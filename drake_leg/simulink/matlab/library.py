@@ -10,12 +10,14 @@ import numpy as np
 from drake_leg.simulink.matlab import numeric
 from drake_leg.simulink.matlab.algebra import ALGEBRA
 from drake_leg.simulink.matlab.arrays import ARRAYS
+from drake_leg.simulink.matlab.curves import CURVES
 from drake_leg.simulink.matlab.data import Allowance, array_of, numbers_of, settled
 from drake_leg.simulink.matlab.inputs import Known, of_array, of_two, of_values, scalar, whole
 from drake_leg.simulink.matlab.operators import EACH
 from drake_leg.simulink.matlab.records import RECORDS
 from drake_leg.simulink.matlab.rotations import ROTATIONS
 from drake_leg.simulink.matlab.texts import TEXTS
+from drake_leg.simulink.matlab.transfers import TRANSFERS
 
 # ruff: noqa: ANN401 - any value of a script
 
@@ -176,6 +178,8 @@ KNOWN: dict[str, Known] = {
     ),
     **ARRAYS,
     **ALGEBRA,
+    **CURVES,
+    **TRANSFERS,
     **RECORDS,
     **{name: of_values(function) for name, function in ROTATIONS.items()},
     **TEXTS,

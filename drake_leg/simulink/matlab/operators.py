@@ -23,6 +23,7 @@ from drake_leg.simulink.matlab.data import (
     settled,
 )
 from drake_leg.simulink.matlab.numeric import MatlabError, measure
+from drake_leg.simulink.matlab.transfers import TransferFunction, combined_transfers
 
 # ruff: noqa: ANN401 - any value of a script
 _PLAIN: dict[str, Callable[[Any, Any], Any]] = {
@@ -63,6 +64,8 @@ def combined(symbol: str, left: Any, right: Any, budget: Allowance) -> Any:
             return _PLAIN[symbol](left, right)
         if symbol in ("/", "./") and right:
             return left / right
+    if isinstance(left, TransferFunction) or isinstance(right, TransferFunction):
+        return combined_transfers(symbol, left, right)
     if isinstance(left, Text) or isinstance(right, Text):
         return _texts(symbol, left, right)
     if symbol in _WHOLE:
@@ -148,6 +151,8 @@ def sign(symbol: str, value: Any) -> Any:
         return settled(array == 0)
     if type(value) is float:
         return -value if symbol == "-" else value
+    if isinstance(value, TransferFunction):
+        return combined_transfers("*", value, -1.0 if symbol == "-" else 1.0)
     array = numbers_of(value)
     return settled(-array if symbol == "-" else array)
 

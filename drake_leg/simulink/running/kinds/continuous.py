@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.signal import tf2ss, zpk2tf
 
+from drake_leg.simulink.matlab.transfers import transfer_of
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind, no_inputs
 from drake_leg.simulink.running.kinds.discontinuities import limit_code
@@ -171,7 +172,7 @@ def _linear_after(w: Writer) -> None:
 
 
 def _direct_linear(node: Node, settings: Settings) -> Iterable[int]:
-    if node.block.kind.startswith("Transfer"):
+    if node.block.kind.startswith(("Transfer", "LTI")):
         numerator, denominator = _fraction(settings)
         return (0,) if len(numerator) >= len(denominator) else ()
     if node.block.type == "ZeroPole":
@@ -181,12 +182,15 @@ def _direct_linear(node: Node, settings: Settings) -> Iterable[int]:
 
 
 def _fraction(settings: Settings) -> tuple[np.ndarray, np.ndarray]:
+    if settings.block.kind == "LTI System":
+        system = transfer_of(settings.value("sys"))
+        return system.numerator, system.denominator
     names = ("N", "D") if settings.block.type == "Reference" else ("Numerator", "Denominator")
     numerator = np.trim_zeros(settings.numbers(names[0], "[1]"), "f")
     return (numerator if numerator.size else np.zeros(1)), settings.numbers(names[1], "[1 1]")
 
 
-@kind("TransferFcn", "Transfer Fcn (with initial outputs)", finish=_linear_after,
+@kind("TransferFcn", "Transfer Fcn (with initial outputs)", "LTI System", finish=_linear_after,
       direct=_direct_linear, continuous=True)  # fmt: skip
 def transfer_function(w: Writer) -> None:
     """Filter by a transfer function, from rest."""
