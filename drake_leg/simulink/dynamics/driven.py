@@ -72,6 +72,9 @@ class DrivenMechanism(AtPorts, LeafSystem):
     def start(self, context: Context, u: Array | None = None) -> None:
         """Do nothing: it has no state."""
 
+    def follow(self, context: Context) -> None:
+        """Do nothing: it is exactly on its motions."""
+
     def _calc_state(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self.state_at(self._u.Eval(context)))
 
