@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pydrake.systems.analysis import (
     ApplySimulatorConfig,
     ExtractSimulatorConfig,
+    InitializeParams,
     Simulator,
     SimulatorConfig,
 )
@@ -44,6 +45,8 @@ STEPS = 50  # at least, of a run, as Simulink takes
 SAME_TIME = 1e-9  # [s]
 SHORTEST_STEP = 1e-10  # of the duration
 MOST_CORNERS = 100_000
+STIFF = "radau3"  # integrates what is stiff, as ode15s does; the others by runge_kutta3
+WINDOW, CRAWLING = 300, 2e-5  # steps, and their mean [s] below which a model is stiff
 INTERRUPTED = "interrupted"
 
 
@@ -283,18 +286,14 @@ def run_model(
     duration = ready.solver["duration"]
     simulator = Simulator(diagram, context)
     longest = ready.solver.get("longest step", duration / STEPS if duration else 1.0)
-    ApplySimulatorConfig(
-        SimulatorConfig(
-            integration_scheme="runge_kutta3",
-            accuracy=accuracy or min(ACCURACY, ready.solver.get("tolerance", ACCURACY)),
-            max_step_size=longest,
-            use_error_control=True,
-        ),
-        simulator,
+    config = SimulatorConfig(
+        integration_scheme="runge_kutta3",
+        accuracy=accuracy or min(ACCURACY, ready.solver.get("tolerance", ACCURACY)),
+        max_step_size=longest,
+        use_error_control=True,
     )
-    simulator.get_mutable_integrator().set_requested_minimum_step_size(
-        SHORTEST_STEP * max(duration, 1.0)
-    )
+    shortest = SHORTEST_STEP * max(duration, 1.0)
+    _integrate(simulator, config, shortest)
     watch = _Watch(diagram, budget, progress)
     simulator.set_monitor(watch)
     began = monotonic()
@@ -304,6 +303,11 @@ def run_model(
             simulator.Initialize()
             for time, is_row in moments(ready.code, duration, diagram.signals.base):
                 simulator.AdvanceTo(time)
+                if watch.crawls and config.integration_scheme != STIFF:
+                    config.integration_scheme = STIFF
+                    _integrate(simulator, config, shortest)
+                    simulator.Initialize(InitializeParams(suppress_initialization_events=True))
+                    simulator.AdvanceTo(time)
                 if watch.stopped:
                     break
                 if is_row:
@@ -317,6 +321,11 @@ def run_model(
     finally:
         simulator.clear_monitor()
     return _recorded(ready, simulator, watch, stopped, monotonic() - began)
+
+
+def _integrate(simulator: Simulator, config: SimulatorConfig, shortest: float) -> None:
+    ApplySimulatorConfig(config, simulator)
+    simulator.get_mutable_integrator().set_requested_minimum_step_size(shortest)
 
 
 def moments(code: Code, duration: float, base: Rate | None) -> Iterator[tuple[float, bool]]:
@@ -349,13 +358,17 @@ class _Watch:
         self._began = monotonic()
         self.stopped = ""
         self.by_block = False
+        self.crawls = False  # whether its steps became that short
+        self._steps, self._mark = 0, 0.0
 
     def __call__(self, context: Context) -> EventStatus:
         x = context.get_continuous_state_vector().CopyToVector()
         if not np.isfinite(x).all():
             return self._end(context, f"{_not_finite(self._diagram, context)} is not finite")
-        if self._diagram.mechanism is not None:
+        if isinstance(self._diagram.mechanism, MechanismSystem):
             self._diagram.mechanism.follow(context)
+            if self._begins_to_crawl(context.get_time()):
+                return EventStatus.ReachedTermination(self._diagram, "the mechanism is stiff")
         signals = self._diagram.signals
         if signals.code.stops:
             shown = signals.GetOutputPort("scopes").Eval(signals.GetMyContextFromRoot(context))
@@ -368,6 +381,14 @@ class _Watch:
         if self._budget is not None and monotonic() - self._began > self._budget:
             return self._end(context, f"it took more than {self._budget:g} s")
         return EventStatus.DidNothing()
+
+    def _begins_to_crawl(self, time: float) -> bool:
+        """Tell once that steps have become so short that the mechanism is stiff."""
+        self._steps += 1
+        if self.crawls or self._steps % WINDOW:
+            return False
+        self.crawls, self._mark = time - self._mark < WINDOW * CRAWLING, time
+        return self.crawls
 
     def _end(self, context: Context, why: str) -> EventStatus:
         self.stopped = f"{why}, at {context.get_time():.6g} s"

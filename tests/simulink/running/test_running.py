@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mechanism_models import pendulum
 from rigs import Rig, shown
 from scipy import signal
 from scipy.integrate import solve_ivp
@@ -250,3 +251,19 @@ def test_a_mechanism_that_only_follows_motions_is_not_integrated(tmp_path):
 def foot_of(run):
     feet = [each for each in run.shown if each.block == "foot positions"]
     return [each.name for each in feet], np.column_stack([each.values[:, 0] for each in feet])
+
+
+def test_a_stiff_mechanism_is_integrated_implicitly(tmp_path):
+    """A pendulum in a damper creeps: explicit steps would be some microseconds long."""
+    texts = {
+        "DampingCoefficient": "1e5", "DampingCoefficientUnits": "N*m/(rad/s)",
+        "PositionTargetSpecify": "on", "PositionTargetValue": "60",
+    }  # fmt: skip
+    built = pendulum(**texts)
+    built.add_library("sm_lib/Utilities/Mechanism Configuration", "Gravity")
+    built.physical(f"{built.sid('Gravity')}#rconn:1", f"{built.sid('World')}#rconn:1")
+    ready = runnable(built.model(tmp_path), duration=100.0)
+    run = run_model(ready)
+    assert not run.stopped
+    assert run.integrator == "radau3"
+    assert run.steps < 2000
