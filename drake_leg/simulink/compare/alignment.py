@@ -137,7 +137,7 @@ def _off_axis(place: Place) -> float:
 def counterpart(matching: Matching, role: str, number: int) -> int | None:
     """Return the number of what stands for a joint, a sensor or a loop of ours."""
     if role == "joint":
-        return matching.joints.get(number)
+        return matching.places.get(number)
     if role in ("foot", "sensor"):
         return matching.sensors.get(number)
     if role.startswith("loop"):
@@ -172,7 +172,7 @@ class _Aligning:
         found: list[AlignedBody] = []
         exchanged: list[int] = []
         for a, b in self._matching.bodies.items():
-            gauge = gauges[a] if a in gauges else self._of_root(a)
+            gauge = gauges[a] if a in gauges else self._pose(a)
             misses: list[Miss] = []
             for pair in self._pairs[a]:
                 if pair[0].role != "joint":
@@ -204,9 +204,13 @@ class _Aligning:
             absent=left[1],
         )
 
-    def _of_root(self, body: int) -> Array:
-        """Return the pose of a root: a tree without a world may stand anywhere."""
-        if body == WORLD and self._matching.bodies[body] == WORLD:
+    def _pose(self, body: int) -> Array:
+        """Return the pose of a body that no pair of bodies leads to.
+
+        A tree without a world may stand anywhere; beyond a joint too many nothing is moved.
+        """
+        grounded = body == WORLD and self._matching.bodies[body] == WORLD
+        if grounded or body in self._ours.inbound:
             return np.eye(4)
         joint = next((pair for pair in self._pairs[body] if pair[0].role == "joint"), None)
         solid = next(iter(self._pairs[body]), None)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from drake_leg.simulink.compare.graph import WORLD, Graph, GraphJoint, Place, Se
 
 OTHER_JOINT = 0.25  # what a pair of joints of different kinds is worth; 1 of the same kind
 SAME_SENSING, SAME_SOLIDS = 0.5, 0.25  # what is added for bodies that are alike
+SKIPPED = 0.5  # what a joint too many takes off
 VALUES, NAMES = 1e-4, 1e-6  # of these only as much that they break ties
 Pair = tuple[int, int]  # numbers of bodies: ours, theirs
 
@@ -32,6 +33,7 @@ class Matching:
 
     bodies: dict[int, int]
     joints: dict[int, int]
+    places: dict[int, int]  # joints whose bases are at one place, a joint too many included
     sensors: dict[int, int]
     loops: dict[int, int]
     turned: frozenset[int]  # our sensors whose base and follower are exchanged
@@ -44,12 +46,14 @@ class Matching:
 
 def match(ours: Graph, theirs: Graph) -> Matching:
     """Match two mechanisms."""
-    trees = _Pairs(_Side(ours), _Side(theirs))
+    words: dict[tuple[object, ...], str] = {}
+    trees = _Pairs(_Side(ours, words), _Side(theirs, words))
     bodies, joints = trees.best()
     sensors = _matched_sensors(ours, theirs, bodies)
     return Matching(
         bodies=bodies,
         joints=joints,
+        places=dict(_places(ours, theirs, bodies, joints)),
         sensors=sensors,
         loops=_matched_loops(ours, theirs, bodies),
         turned=frozenset(
@@ -61,7 +65,7 @@ def match(ours: Graph, theirs: Graph) -> Matching:
 class _Side:
     """One mechanism, with what its bodies are."""
 
-    def __init__(self, graph: Graph) -> None:
+    def __init__(self, graph: Graph, words: dict[tuple[object, ...], str]) -> None:
         self.graph = graph
         self.children = graph.children
         self.places = graph.place_of_joint
@@ -70,12 +74,18 @@ class _Side:
         self.sensed = Counter(sensor.foot for sensor in graph.sensors)
         lengths = [float(np.linalg.norm(p.X_M[:3, 3])) for p in self.places.values()]
         self.size = max([*lengths, 1e-12])
-        self.signatures = self._signatures()
+        self.depths = [0] * len(graph.bodies)
+        for joint in graph.joints:
+            self.depths[joint.child] = self.depths[joint.parent] + 1
+        self._signatures = self._described(words)
 
-    def _signatures(self) -> list[str]:
-        """Describe the tree from each body on, the same words for the same structure."""
+    def signature(self, joint: GraphJoint) -> str:
+        """Describe a joint and all beyond it: the same text for the same structure."""
+        return f"{joint.type} {self._signatures[joint.child]}"
+
+    def _described(self, words: dict[tuple[object, ...], str]) -> list[str]:
+        """Describe the tree from each body on, in words that both sides share."""
         found = [""] * len(self.graph.bodies)
-        words: dict[tuple[object, ...], str] = {}
         ends = [joint.child for joint in reversed(self.graph.joints)]
         for body in (*ends, *self.graph.floating, WORLD):
             below = sorted(f"{joint.type} {found[joint.child]}" for joint in self.children[body])
@@ -106,8 +116,11 @@ class _Pairs:
             if pair not in self._below:
                 self._below[pair] = self._candidates(*pair)
                 line += [(a.child, b.child) for a, b in self._below[pair]]
-        for pair in reversed(list(self._below)):
+        for pair in sorted(self._below, key=lambda pair: -self._depth(pair)):
             self._assess(pair)
+
+    def _depth(self, pair: Pair) -> int:
+        return self._ours.depths[pair[0]] + self._theirs.depths[pair[1]]
 
     def best(self) -> tuple[dict[int, int], dict[int, int]]:
         """Return the bodies and joints of the best matching, from the roots on."""
@@ -145,36 +158,57 @@ class _Pairs:
         return found
 
     def _candidates(self, a: int, b: int) -> list[tuple[GraphJoint, GraphJoint]]:
+        """List the pairs of joints beyond two bodies that may stand for each other."""
         ours, theirs = self._ours.children[a], self._theirs.children[b]
-        if len(ours) * len(theirs) <= MOST_PAIRS:
-            return [(one, other) for one in ours for other in theirs]
+        if len(ours) * len(theirs) > MOST_PAIRS:
+            return self._alike(ours, theirs)
+        pairs = [(one, other) for one in ours for other in theirs]
+        return [*pairs, *(beyond for pair in pairs for beyond in self._beyond(*pair))]
+
+    def _alike(
+        self, ours: list[GraphJoint], theirs: list[GraphJoint]
+    ) -> list[tuple[GraphJoint, GraphJoint]]:
+        """Pair very many joints by what they and all beyond them are, then in order."""
         by_signature: dict[str, list[GraphJoint]] = {}
         for joint in reversed(theirs):
-            key = f"{joint.type} {self._theirs.signatures[joint.child]}"
-            by_signature.setdefault(key, []).append(joint)
+            by_signature.setdefault(self._theirs.signature(joint), []).append(joint)
         found, left = [], []
         for joint in ours:
-            alike = by_signature.get(f"{joint.type} {self._ours.signatures[joint.child]}")
+            alike = by_signature.get(self._ours.signature(joint))
             if alike:
                 found.append((joint, alike.pop()))
             else:
                 left.append(joint)
-        taken = {id(other) for _, other in found}
-        others = [joint for joint in theirs if id(joint) not in taken]
+        taken = {other.number for _, other in found}
+        others = [joint for joint in theirs if joint.number not in taken]
         return [*found, *zip(left, others, strict=False)]
 
+    def _beyond(self, a: GraphJoint, b: GraphJoint) -> list[tuple[GraphJoint, GraphJoint]]:
+        """Pair a joint with one beyond the other, if that one is a joint too many."""
+        ours, theirs = self._ours, self._theirs
+        if ours.signature(a) == theirs.signature(b):
+            return []
+        found = [(one, b) for one in ours.children[a.child]]
+        found += [(a, other) for other in theirs.children[b.child]]
+        return [(x, y) for x, y in found if ours.signature(x) == theirs.signature(y)]
+
     def _assess(self, pair: Pair) -> None:
-        below = self._below[pair]
-        worth = [self._of_joints(a, b) + self._worth[a.child, b.child] for a, b in below]
-        chosen = list(range(len(below)))
-        columns = len({b.number for _, b in below})
-        if below and len(below) > columns:  # all ours with all theirs
-            rows, places = linear_sum_assignment(np.reshape(worth, (-1, columns)), maximize=True)
-            chosen = [columns * row + place for row, place in zip(rows, places, strict=True)]
-        elif below and len({a.number for a, _ in below}) < len(below):  # one of ours with many
-            chosen = [int(np.argmax(worth))]
-        self._chosen[pair] = [below[each] for each in chosen]
-        self._worth[pair] = self._of_bodies(*pair) + sum(worth[each] for each in chosen)
+        """Choose the joints beyond a pair of bodies that stand for each other."""
+        worths = {}
+        for a, b in self._below[pair]:
+            skips = (a.parent != pair[0]) + (b.parent != pair[1])
+            beyond = self._worth[a.child, b.child]
+            worths[a.number, b.number] = self._of_joints(a, b) + beyond - SKIPPED * skips
+        chosen = _assigned(worths)
+        by_numbers = {(a.number, b.number): (a, b) for a, b in self._below[pair]}
+        lines: list[tuple[GraphJoint, GraphJoint]] = []
+        worth = self._of_bodies(*pair)
+        for numbers in sorted(chosen, key=lambda numbers: -worths[numbers]):
+            a, b = by_numbers[numbers]
+            if not any(_in_a_row(a, x) or _in_a_row(b, y) for x, y in lines):
+                lines.append((a, b))
+                worth += worths[numbers]
+        self._chosen[pair], self._worth[pair] = lines, worth
 
     def _of_bodies(self, a: int, b: int) -> float:
         ours, theirs = self._ours, self._theirs
@@ -201,10 +235,44 @@ class _Pairs:
         return 1.0 / (1.0 + apart) + 1.0 / (1.0 + turned)
 
 
+def _in_a_row(a: GraphJoint, b: GraphJoint) -> bool:
+    """Tell whether one of two joints leads to the other."""
+    return a.parent == b.child or b.parent == a.child
+
+
+def _assigned(worths: Mapping[Pair, float]) -> list[Pair]:
+    """Choose pairs of numbers, each number once, that are worth most together."""
+    rows = {number: place for place, number in enumerate(dict.fromkeys(a for a, _ in worths))}
+    columns = {number: place for place, number in enumerate(dict.fromkeys(b for _, b in worths))}
+    if len(worths) == min(len(rows), len(columns)):
+        return list(worths)
+    matrix = np.zeros((len(rows), len(columns)))
+    for (a, b), worth in worths.items():
+        matrix[rows[a], columns[b]] = worth
+    places = zip(*linear_sum_assignment(matrix, maximize=True), strict=True)
+    chosen = {(row, column) for row, column in places}
+    return [pair for pair in worths if (rows[pair[0]], columns[pair[1]]) in chosen]
+
+
 def _likeness(ours: Counter[str], theirs: Counter[str]) -> float:
     """Tell how many of the solids are of the same shapes, 0 to 1."""
     most = max(ours.total(), theirs.total())
     return (ours & theirs).total() / most if most else 1.0
+
+
+def _places(
+    ours: Graph, theirs: Graph, bodies: Mapping[int, int], joints: Mapping[int, int]
+) -> Iterator[Pair]:
+    """Pair the joints that lead away from a pair of bodies, those too many included."""
+    by_number = {joint.number: joint for joint in theirs.joints}
+    for joint in ours.joints:
+        after = [joint, *ours.children[joint.child]]
+        others = [by_number[joints[each.number]] for each in after if each.number in joints]
+        before = [theirs.inbound.get(other.parent, other) for other in others]
+        at_place = (one for one in (*others, *before) if one.parent == bodies.get(joint.parent))
+        there = next(at_place, None)
+        if there is not None:
+            yield joint.number, there.number
 
 
 # --- sensors and loops -----------------------------------------------------------------------

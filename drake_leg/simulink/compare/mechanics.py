@@ -103,11 +103,18 @@ def _is_mechanical(block: Block) -> bool:
 
 
 def _further_joints(sides: Mechanisms) -> Iterator[Verdict]:
-    """List joints that only the other side has."""
-    known = set(sides.matching.joints.values())
+    """List joints that only the other side has; one between joints of ours is a difference."""
+    ours = {joint.number: joint for joint in sides.ours.joints}
+    counterparts = {theirs: ours[number] for number, theirs in sides.matching.joints.items()}
     for theirs in sides.theirs.joints:
-        if theirs.number not in known:
-            yield extra("joint", name=theirs.name)
+        if theirs.number in counterparts:
+            continue
+        yield extra("joint", name=theirs.name)
+        for after in sides.theirs.children[theirs.child]:
+            if after.number in counterparts:
+                joint = counterparts[after.number]
+                lacking = f"{theirs.type} joint {theirs.name!r}"
+                yield different(joint.sid, joint.name, "joint before it", "none", lacking)
     loops = set(sides.matching.loops.values())
     for theirs in sides.theirs.loops:
         if theirs.number not in loops:
@@ -222,6 +229,8 @@ def _why_no_joint(sides: Mechanisms, ours: GraphJoint) -> str:
         return f"it closes a loop, which {sides.other} does not have"
     if ours.parent not in sides.matching.bodies:
         return NOWHERE
+    if any(joint.number in sides.matching.joints for joint in sides.ours.children[ours.child]):
+        return f"it is a joint too many: {sides.other} has those before and after it"
     joints = len(sides.theirs.joints)
     return f"{sides.other} has only {joints} joint{'' if joints == 1 else 's'}, and no such branch"
 

@@ -211,6 +211,35 @@ def test_a_joint_that_closes_a_loop_is_named_as_that(compared):
     assert (one["name"], one["why"]) == ("Pin", "it closes a loop, which Drake does not have")
 
 
+def with_a_joint_before(model, name, joint="sm_lib/Joints/Prismatic Joint"):
+    """Put a joint between another one and its base."""
+    old = f"{model.sid(name)}#lconn:1"
+    lift = model.add_library(joint, "Lift", ports={"lconn": 1, "rconn": 1})
+    rewired(model, old, f"{lift}#lconn:1")
+    model.physical(f"{lift}#rconn:1", old)
+    return model
+
+
+@pytest.mark.parametrize("before", LEG)
+def test_a_joint_too_many_is_one_finding(compared, before):
+    found = compared(with_a_joint_before(published_leg(), before))
+    (one,) = found.missing
+    assert (one["name"], one["why"][:23]) == ("Lift", "it is a joint too many:")
+    assert [counterparts(found)[name] for name in LEG] == [
+        f"joint '{joint}'" for joint in ("hip", "knee", "ankle")
+    ]
+    model = with_a_joint_before(published_leg(), before).set("Brick Solid2", Density="7850")
+    assert ("Brick Solid2", "Density") in changed(compared(model))
+
+
+def test_a_joint_too_few_is_a_difference(compared):
+    model = published_leg()
+    model.blocks[model.sid("Revolute Joint1")].source = "sm_lib/Joints/Weld Joint"
+    found = compared(model)
+    assert ("Revolute Joint2", "joint before it") in changed(found)
+    assert counterparts(found)["Revolute Joint2"] == "joint 'ankle'"
+
+
 def test_a_ball_on_the_world_has_no_counterpart(compared):
     model = published_leg()
     ball = model.add_library(SPHERE, "Ball", ports={"rconn": 1})
