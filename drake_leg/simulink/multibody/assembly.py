@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,6 +16,7 @@ STEPS = 60
 CLOSED = 1e-10  # [m, rad]
 LONGEST = 0.3  # [rad or m], of a step
 PATIENCE = 8  # steps without a smaller gap
+TRIES, DISTURBED = 20, 0.1  # other beginnings, and how far the first is [rad or m]
 SMALL = 1e-4  # [rad], below which a series is as exact
 
 
@@ -68,9 +69,13 @@ class Assembly:
         for may_move in (~(self.firm | fixed), ~fixed):
             if gap <= CLOSED:
                 break
-            moved, left = self._solved(start, may_move)
-            if left < gap:
-                q, gap = moved, left
+            in_loops = np.any(self._linearized(start)[1] != 0.0, axis=0)
+            for begin in _beginnings(start, may_move & in_loops):
+                moved, left = self._solved(begin, may_move)
+                if left < gap:
+                    q, gap = moved, left
+                if gap <= CLOSED:
+                    break
         return q, gap
 
     def _solved(self, q: Array, may_move: Array) -> tuple[Array, float]:
@@ -134,6 +139,17 @@ class Assembly:
             V_WB[child] = V_WB[parent].copy()
             V_WB[child][:, columns] += own
         return X_WB, V_WB
+
+
+def _beginnings(start: Array, may_move: Array) -> Iterator[Array]:
+    """Yield where to begin: at the start, then farther and farther from it.
+
+    From where a loop is stretched or folded, no small step closes it.
+    """
+    yield start
+    rng = np.random.default_rng(0)
+    for distance in np.linspace(DISTURBED, math.pi, TRIES):
+        yield start + may_move * rng.uniform(-distance, distance, len(start))
 
 
 def _along(joint: Joint, X_WB: Array, q: Array) -> tuple[Array, Array]:

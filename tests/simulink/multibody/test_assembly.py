@@ -77,3 +77,17 @@ def test_derivatives_of_the_gaps_are_exact(tmp_path, kind, reverse, derivative, 
     for column, step in enumerate(np.eye(len(q))):
         expected = derivative(lambda t, step=step: assembly.gaps(q + t * step))
         np.testing.assert_allclose(J[:, column], expected, atol=1e-9)
+
+
+def test_a_loop_that_is_stretched_out_is_closed_and_nothing_else_moves(tmp_path):
+    built = four_bar()
+    built.joint("Revolute", "Aside")
+    built.body("Spherical Solid", "Ball", SphereRadius="0.1")
+    built.meet("World", "Aside lconn:1")
+    built.meet("Aside", "Ball")
+    mechanism = built.mechanism(tmp_path)
+    places = {joint.name: place for place, joint in enumerate(mechanism.joints)}
+    q, gap = Assembly(mechanism).assembled({places["A"]: 0.0})
+    assert gap < 1e-10
+    assert q[places["A"]] == q[places["Aside"]] == 0.0
+    assert abs(q[places["B"]]) > 0.1
