@@ -18,6 +18,7 @@ from drake_leg.simulink.catalogue import (
 )
 from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES, PLACES, SOLIDS
 from drake_leg.simulink.multibody.joints import SINGLE
+from drake_leg.simulink.running.kinds import kinds_of_blocks
 
 HEAD = """# Blocks of Simulink and Simscape
 
@@ -34,6 +35,20 @@ MECHANISM = """
 *Mechanism* tells what the block becomes by `drake-leg sdf` and `view`; what is left out there is
 said each time. *In motion* tells what it does when the model runs.
 """
+
+SIGNALS = """
+## Simulink
+
+*In a run* tells what the block does when `drake-leg run` runs a model. A block for which it says
+nothing is named as lacking; `--replace` lets a value or a table stand in for it.
+"""
+_OF_SIGNALS = ("block", "values", "in a run")
+_AROUND = {
+    **dict.fromkeys(("From", "Goto", "GotoTagVisibility", "ConnectionLabel"), "a wire"),
+    **dict.fromkeys(("Connection Label", "Connection Port", "PMIOPort", "SimscapeBus"), "a wire"),
+    "SubSystem": "its blocks run; one that is enabled, triggered or chosen runs at its times",
+    "Solver Configuration": "nothing: Drake integrates",
+}
 
 _PARTS = {
     "World Frame": "the world",
@@ -114,16 +129,27 @@ def in_motion(kind: str) -> str:
     return "touches" if kind in _TOUCHING else "–"
 
 
+def in_a_run(kind: str) -> str:
+    """Say what a kind of block of signals does in a run; "–" where it does not run."""
+    found = kinds_of_blocks().get(kind)
+    if found is None:
+        return _AROUND.get(kind, "–")
+    said = (found.write.__doc__ or "").partition("\n")[0].rstrip(".")
+    return f"{said[0].lower()}{said[1:]}" if said else "runs"
+
+
 def page() -> str:
     """Write the page."""
     lines = [HEAD, MECHANISM, *_table(_COLUMNS, _multibody())]
-    lines += ["\n## Simulink\n", *_table(("block", "values"), _rows(BUILT_IN, WITHOUT_PARAMETERS))]
+    lines += [SIGNALS, *_table(_OF_SIGNALS, _rows(BUILT_IN, WITHOUT_PARAMETERS))]
     for title, library in (
         ("Masked blocks of Simulink", "simulink"),
         ("Simscape utilities", "nesl_utility"),
         ("Simscape Foundation", "fl_lib"),
+        ("Robotics System Toolbox", "robotcorelib"),
+        ("Control System Toolbox", "cstblocks"),
     ):
-        lines += [f"\n## {title}\n", *_table(("block", "values"), _rows(LIBRARIES[library]))]
+        lines += [f"\n## {title}\n", *_table(_OF_SIGNALS, _rows(LIBRARIES[library]))]
     return "\n".join(lines) + "\n"
 
 
@@ -137,7 +163,7 @@ def _rows(
     kinds: dict[str, Parameters], others: frozenset[str] = frozenset()
 ) -> Iterator[tuple[str, ...]]:
     for kind in sorted({*kinds, *others}, key=str.lower):
-        yield kind, _count(kinds.get(kind, ()))
+        yield kind, _count(kinds.get(kind, ())), in_a_run(kind)
 
 
 def _count(parameters: Parameters) -> str:

@@ -98,9 +98,10 @@ def combined_transfers(symbol: str, left: Any, right: Any) -> TransferFunction:
         )
     if symbol not in ("+", "-"):
         raise LackError(f"the operator {symbol} of transfer functions is not known here")
-    if np.array_equal(a.denominator, b.denominator):
-        joined, n1, n2 = a.denominator, a.numerator, b.numerator
-    else:
+    joined: NDArray[Any] = a.denominator
+    n1: NDArray[Any] = a.numerator
+    n2: NDArray[Any] = b.numerator
+    if not np.array_equal(a.denominator, b.denominator):
         joined = np.polymul(a.denominator, b.denominator)
         n1 = np.polymul(a.numerator, b.denominator)
         n2 = np.polymul(b.numerator, a.denominator)

@@ -27,6 +27,7 @@ def test_integrators_and_linear_systems_follow_their_equations(tmp_path):
         rig.block("Integrator", "limited", u, LimitOutput="on", UpperSaturationLimit="0.4",
                   LowerSaturationLimit="-inf"), "limited")  # fmt: skip
     rig.show(rig.block("TransferFcn", "lag", u, Numerator="[2 1]", Denominator="[1 2 3]"), "lag")
+    rig.show(rig.block("cstblocks/LTI System", "lti", u, sys="tf([2 1], [1 2 3])"), "lti")
     rig.show(
         rig.block("StateSpace", "space", u, A="[0 1;-4 -1]", B="[0;1]", C="[1 0]", D="0",
                   X0="[1;0]"), "space")  # fmt: skip
@@ -48,6 +49,7 @@ def test_integrators_and_linear_systems_follow_their_equations(tmp_path):
     ):
         _, expected, _ = signal.lsim(system, drive, t, x0)
         np.testing.assert_allclose(shown(run, name), expected, atol=2e-5, err_msg=name)
+    np.testing.assert_array_equal(shown(run, "lti"), shown(run, "lag"))
     limited = shown(run, "limited")
     assert limited.max() == pytest.approx(0.4, abs=1e-6)
     assert limited[-1] == pytest.approx(0.4 - (integral.max() - integral[-1]), abs=1e-5)

@@ -131,6 +131,18 @@ CASES = [
         ["0.5", "1"],
         1.5,
     ),
+    (
+        "robotcorelib/Coordinate Transformation Conversion",
+        {"InputRepresentation": "Euler Angles", "OutputRepresentation": "Quaternion"},
+        ["[pi/2 0 0]"],
+        [math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)],
+    ),
+    (
+        "robotcorelib/Coordinate Transformation Conversion",
+        {"InputRepresentation": "Axis-Angle", "OutputRepresentation": "Rotation Matrix"},
+        ["[0 0 2 pi/2]"],
+        [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+    ),
     ("Lookup", {"InputValues": "[0 1]", "Table": "[5 6]"}, ["0.5"], 5.5),
 ]
 
@@ -144,7 +156,7 @@ def test_what_blocks_put_out(tmp_path):
     for number, (kind, parameters, inputs, expected) in enumerate(CASES):
         about = f"{kind} {parameters} of {inputs}"
         found = values[f"y{number}"]
-        np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15, err_msg=about)
+        np.testing.assert_allclose(found, expected, rtol=1e-14, atol=3e-16, err_msg=about)
         assert np.shape(found) == np.shape(expected), about
 
 

@@ -72,8 +72,8 @@ def kind(
     return noted
 
 
-def kind_of(node: Node) -> Kind | None:
-    """Return the kind of a block, None where it does not run."""
+def kinds_of_blocks() -> dict[str, Kind]:
+    """Return all kinds of blocks that run, by their names."""
     from drake_leg.simulink.running.kinds import (  # noqa: F401
         continuous,
         discontinuities,
@@ -90,4 +90,10 @@ def kind_of(node: Node) -> Kind | None:
         tables,
     )
 
-    return KINDS.get(node.block.kind) or KINDS.get(node.block.type)
+    return KINDS
+
+
+def kind_of(node: Node) -> Kind | None:
+    """Return the kind of a block, None where it does not run."""
+    kinds = kinds_of_blocks()
+    return kinds.get(node.block.kind) or kinds.get(node.block.type)
