@@ -35,6 +35,7 @@ class WrittenCode(Code):
     needs_sensed: bool = False
     needs_efforts: bool = False
     states: tuple[str, ...] = ()
+    read_at_once: frozenset[str] = frozenset()
     calls: tuple[Callable[..., Any], ...]  # those of its functions that do something
 
     def functions(self) -> dict[str, Callable[..., Any]]:

@@ -17,6 +17,7 @@ import numpy as np
 from pydrake.systems.framework import System
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import Contact, mechanism_dynamics
 from drake_leg.simulink.matlab.compiling import compiled
 from drake_leg.simulink.model import Model, Value
@@ -44,6 +45,7 @@ TITLES = {
     "rates": "sample times: period and offset [s]",
     "recorded": "what sinks show",
     "states": "their names",
+    "read_at_once": "what is sensed and not only shown",
     "breaks": "times at which signals have corners [s]",
 }
 PYDRAKE = {
@@ -243,9 +245,11 @@ class _Writing:
         if diagram.mechanism is None:
             yield "        self.mechanism = None"
         else:
-            yield '        mechanism = mechanism_from(data["mechanism"])'
+            driven = ".driven()" if isinstance(diagram.mechanism, DrivenMechanism) else ""
+            yield f'        mechanism = mechanism_from(data["mechanism"]){driven}'
             yield '        self.mechanism = builder.AddNamedSystem("mechanism", mechanism)'
-            for port in ("sensed", "efforts"):
+            yield "        mechanism.read_at_once(self.signals.code.read_at_once)"
+            for port in ("sensed", "now", "efforts"):
                 if signals.HasInputPort(port):
                     yield "        builder.Connect("
                     yield f'            mechanism.GetOutputPort("{port}"),'
@@ -387,6 +391,8 @@ def _written(value: Any, name: str) -> str:  # noqa: ANN401 - of any kind
         return f"({inner},)" if len(value) == 1 else f"({inner})"
     if isinstance(value, list):
         return f"[{', '.join(_written(each, name) for each in value)}]"
+    if isinstance(value, frozenset):
+        return f"frozenset({_written(sorted(value), name)})"
     if isinstance(value, dict):
         pairs = (f"{key!r}: {_written(each, name)}" for key, each in value.items())
         return f"{{{', '.join(pairs)}}}"
