@@ -22,6 +22,7 @@ from drake_leg.simulink.model import Numbers
 from drake_leg.simulink.sources import Variables, no_variables, variables_inside
 
 _INFINITE = re.compile(r"\binf\b", re.IGNORECASE)
+_SHOWN = 8  # choices in an error
 _NAMED = re.compile(r"[A-Za-z]")
 
 
@@ -251,9 +252,12 @@ def _mask_value(block: DrawnBlock, name: str, text: str, around: Scope) -> Any: 
     if name in mask.literal:
         return text
     if name in mask.choices:
-        if text not in mask.choices[name]:
-            raise InvalidValueError("it is a choice that is not in its list")
-        return mask.choices[name].index(text) + 1.0
+        choices = mask.choices[name]
+        if text not in choices:
+            listed = ", ".join(map(repr, choices[:_SHOWN]))
+            why = f"it is none of its choices, {listed}" if listed else "it has no choices"
+            raise InvalidValueError(why)
+        return choices.index(text) + 1.0
     if name in mask.switches:
         return text == "on"
     found = around.evaluate(text)

@@ -35,44 +35,63 @@ def choose_variants(
     InvalidValueError
         If a wanted choice or its subsystem does not exist.
     """
-    inside: dict[str, list[DrawnBlock]] = {}
+    choosing = _Choosing(diagram, holds, wanted or {})
     for block in diagram.blocks.values():
-        inside.setdefault(block.system, []).append(block)
-    left = dict(wanted or {})
-    blocks = dict(diagram.blocks)
-    lines = list(diagram.lines)
-    dropped: set[str] = set()
-    for block in diagram.blocks.values():
-        if block.system in dropped or block.sid in dropped:
-            dropped.add(block.sid)
-            continue
+        choosing.look_at(block)
+    choosing.refuse_unused()
+    return choosing.chosen()
+
+
+class _Choosing:
+    """Chooses from the outermost variant subsystem to the innermost."""
+
+    def __init__(self, diagram: Diagram, holds: Condition, wanted: Mapping[str, str]) -> None:
+        self._diagram, self._holds = diagram, holds
+        self._wanted = dict(wanted)
+        self._blocks = dict(diagram.blocks)
+        self._lines = list(diagram.lines)
+        self._dropped: set[str] = set()
+        self._inside: dict[str, list[DrawnBlock]] = {}
+        for block in diagram.blocks.values():
+            self._inside.setdefault(block.system, []).append(block)
+
+    def look_at(self, block: DrawnBlock) -> None:
+        """Choose, if a block is a variant subsystem; drop what lies in a choice not taken."""
+        if block.system in self._dropped or block.sid in self._dropped:
+            self._dropped.add(block.sid)
+            return
         if block.texts.get("Variant") != "on":
-            continue
-        within = inside.get(block.sid, [])
+            return
+        within = self._inside.get(block.sid, [])
         choices = [choice for choice in within if choice.type not in _PORTS]
-        dropped.update(choice.sid for choice in choices)
+        self._dropped.update(choice.sid for choice in choices)
         try:
-            active = _active(block, choices, holds, left)
+            active = _active(block, choices, self._holds, self._wanted)
         except UnknownValueError as error:
-            blocks[block.sid] = replace(block, undecided=error.problem)
-            continue
-        dropped.remove(active.sid)
+            self._blocks[block.sid] = replace(block, undecided=error.problem)
+            return
+        self._dropped.remove(active.sid)
         ports = [port for port in within if port.type in _PORTS]
-        lines += _joined(ports, active, inside.get(active.sid, []))
-    if left:
-        name = next(iter(left))
-        variants = [b.path for b in diagram.blocks.values() if b.texts.get("Variant") == "on"]
+        self._lines += _joined(ports, active, self._inside.get(active.sid, []))
+
+    def refuse_unused(self) -> None:
+        """Refuse a choice that somebody wants of a subsystem that does not exist."""
+        if not self._wanted:
+            return
+        name = next(iter(self._wanted))
+        blocks = self._diagram.blocks.values()
+        variants = [block.path for block in blocks if block.texts.get("Variant") == "on"]
         raise InvalidValueError(
             f"there is no variant subsystem {name!r}",
             advice=did_you_mean(name, variants, "give the name of one, or its path in the model"),
         )
-    kept = {sid: block for sid, block in blocks.items() if sid not in dropped}
-    return replace(
-        diagram,
-        blocks=kept,
-        lines=[line for line in map(_without(dropped), lines) if line.ends],
-        functions=[function for function in diagram.functions if function.sid in kept],
-    )
+
+    def chosen(self) -> Diagram:
+        """Return the diagram with what was chosen alone."""
+        kept = {sid: block for sid, block in self._blocks.items() if sid not in self._dropped}
+        functions = [each for each in self._diagram.functions if each.sid in kept]
+        lines = [line for line in map(_without(self._dropped), self._lines) if line.ends]
+        return replace(self._diagram, blocks=kept, lines=lines, functions=functions)
 
 
 def _active(

@@ -111,7 +111,7 @@ def test_a_column_stays_a_column(gain, text):
         ),
         ({"L": ""}, {}, "L", "is '': the text is empty"),
         ({"L": "9^9^9^9^9"}, {}, "L", "is '9.9.9.9.9': it is infinite"),
-        ({"L": "2"}, {"Type": "popup"}, "L", "is '2': it is a choice that is not in its list"),
+        ({"L": "2"}, {"Type": "popup"}, "L", "is '2': it has no choices"),
         ({"L": "2"}, {"Evaluate": "off"}, "L", "'2' is a text, not a number"),
         ({"pi": "rods"}, {}, "pi", "mask parameter pi of block 'S' .SID 1. is 'rods'"),
     ],

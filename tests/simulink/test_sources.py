@@ -222,6 +222,9 @@ def test_choices_are_numbers_and_switches_are_true_or_false(tmp_path):
     )
     builder.add_block("Gain", "K", {"Gain": "[law on]"}, system=outer)
     assert gain(builder.write(tmp_path / "m.slx"))[0] == (2.0, 1.0)
+    builder.blocks[outer].mask = builder.blocks[outer].mask.replace("<Value>Hunt", "<Value>Cubic")
+    (lack,) = lacks_of(read_model(builder.write(tmp_path / "m.slx")))
+    assert "'Cubic': it is none of its choices, 'Linear', 'Hunt'" in lack.reason
 
 
 def test_a_mask_sets_and_promotes_parameters_of_blocks_inside(tmp_path):
