@@ -117,22 +117,29 @@ def _lack(node: Node, error: UnknownValueError) -> Lack:
 
 def _running(network: SignalNetwork) -> dict[str, tuple[Node, Kind]]:
     """Find the kinds of all blocks; those that do not run are one list."""
-    found: dict[str, tuple[Node, Kind]] = {}
+    refuse(_without_kind(network))
+    found = ((sid, node, kind_of(node)) for sid, node in network.nodes.items())
+    return {sid: (node, kind) for sid, node, kind in found if kind is not None}
+
+
+def _without_kind(network: SignalNetwork) -> list[str]:
+    """List the blocks that do not run."""
     problems: dict[str, None] = {}
     for block in network.loops:
         problems[f"block {block.name!r} (SID {block.sid}) iterates, which does not run yet"] = None
     for sid, node in network.nodes.items():
-        kind = kind_of(node)
-        if kind is not None:
-            found[sid] = (node, kind)
-        elif node.read or node.block.unknown:
+        if kind_of(node) is None and (node.read or node.block.unknown):
             problems[
                 node.block.unknown
                 or f"block {node.block.name!r} (SID {sid}) is a {node.block.kind}, which does not "
                 "run: replace it"
             ] = None
-    refuse(list(problems))
-    return found
+    return list(problems)
+
+
+def missing_for_run(network: SignalNetwork) -> list[str]:
+    """List the blocks of signals that do not run, and the values without which others do not."""
+    return [*_without_kind(network), *(lack.reason for lack in lacks_for_run(network))]
 
 
 def refuse(problems: Sequence[str]) -> None:

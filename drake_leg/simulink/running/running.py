@@ -30,8 +30,14 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.progress import interrupts_kept
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
-from drake_leg.simulink.model import Model, number, vector
-from drake_leg.simulink.running.compiling import Code, Ports, compile_signals, refuse
+from drake_leg.simulink.model import Model, number, split_port, vector
+from drake_leg.simulink.running.compiling import (
+    Code,
+    Ports,
+    compile_signals,
+    missing_for_run,
+    refuse,
+)
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
 from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
@@ -182,12 +188,12 @@ def runnable(
         That lists all that is missing for a run.
     """
     model = replaced(model, replace or {})
-    mechanism = mechanism_dynamics(model, contact=contact) if has_mechanism(model) else None
+    mechanism = _mechanism(model, contact)
     network = signal_network(model, mechanism.motions if mechanism else frozenset())
     solver = _solver(model, duration)
     fixed = solver.get("fixed step")
     ports = _ports(mechanism, None)
-    _require_known(network, ports)
+    _require_known(model, network, ports)
     code = compile_signals(network, ports, fixed_step=fixed)
     if mechanism is not None and ports.inputs:
         u = _commands(code, ports)
@@ -245,10 +251,30 @@ def _ports(mechanism: MechanismSystem | DrivenMechanism | None, u: Array | None)
     )
 
 
-def _require_known(network: SignalNetwork, ports: Ports) -> None:
+def _mechanism(model: Model, contact: Contact) -> MechanismSystem | None:
+    """Build the mechanism; what it lacks is one list with what the signals lack."""
+    if not has_mechanism(model):
+        return None
+    try:
+        return mechanism_dynamics(model, contact=contact)
+    except InvalidValueError as error:
+        first, *others = str(error).split("\n  ")
+        refuse([*dict.fromkeys((*(others or [first]), *missing_for_run(signal_network(model))))])
+        raise
+
+
+def _require_known(model: Model, network: SignalNetwork, ports: Ports) -> None:
     """Refuse signals that other parts of Simscape would make."""
+    blocks = {block.sid: block for block in model.blocks}
     unknown = sorted(network.sensed - {*ports.sensed, *ports.efforts})
-    refuse([f"nothing computes what comes out at {port}" for port in unknown])
+    found: dict[str, None] = {}
+    for port in unknown:
+        block = blocks[split_port(port)[0]]
+        found[
+            f"block {block.name!r} (SID {block.sid}) is a {block.kind}, whose output at "
+            f"{port.partition('#')[2]} is not computed here"
+        ] = None
+    refuse(list(found))
 
 
 def _commands(code: Code, ports: Ports) -> Array:

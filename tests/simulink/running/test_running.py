@@ -235,6 +235,16 @@ def test_all_that_does_not_run_is_one_list(tmp_path):
     assert "'queue'" in str(error.value)
 
 
+def test_a_mechanism_and_signals_lack_things_in_one_list(tmp_path):
+    model = published_leg(stop_time="1")
+    model.set("Sine Wave", Amplitude="unknown_amplitude")
+    model.set("Brick Solid2", BrickDimensions="[unknown_length 1 1]")
+    with pytest.raises(InvalidValueError) as error:
+        runnable(read_model(model.write(tmp_path / "leg.slx")))
+    assert "unknown_amplitude" in str(error.value)
+    assert "unknown_length" in str(error.value)
+
+
 def test_a_mechanism_that_only_follows_motions_is_not_integrated(tmp_path):
     """The lab's own leg, from its file, is where its kinematics say that its joints put it."""
     path = published_leg(filtered=True, stop_time="0.05").write(tmp_path / "leg.slx")
