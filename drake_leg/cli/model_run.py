@@ -196,10 +196,15 @@ def _results(
     chosen: argparse.Namespace,
 ) -> tuple[tuple[Column, ...], Recording, dict[str, Any]]:
     from drake_leg.simulink.running.columns import columns_of, labels_of, recording_of
+    from drake_leg.simulink.running.replaying import position_labels
     from drake_leg.simulink.running.summary import remarks_of, summary_of
 
-    labels = labels_of(ready.code.recorded, ready.network)
-    columns = columns_of(labels, [each.values for each in run.shown])
+    labels, shown = labels_of(ready.code.recorded, ready.network), [s.values for s in run.shown]
+    if ready.diagram.mechanism is not None:
+        plant = ready.diagram.mechanism.plant
+        labels += position_labels(plant, labels)
+        shown.append(run.states[:, : plant.num_positions()])
+    columns = columns_of(labels, shown)
     remarks = [*said, *remarks_of(model, ready, run)]
     replaced = [
         f"{block} puts out {what}" for block, what in replacements_in(chosen.replace).items()

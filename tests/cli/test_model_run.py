@@ -187,8 +187,9 @@ def test_a_mechanism_is_replayed_as_it_moved(run, here):
     assert "wrote m.html" in printed.out
     assert "<html" in (here / "m.html").read_text(encoding="utf-8")
     assert summary["understood"]["mechanism"]["positions"] == 1
-    assert "no Scope or other sink of the model shows a signal" in summary["remarks"]
-    assert [*recording.columns] == ["time[s]"]
+    assert summary["remarks"][0].endswith("shows a signal, so the joints alone are recorded")
+    assert [*recording.columns] == ["time[s]", "Pivot.q[rad]"]
+    assert recording["Pivot.q"][0] == pytest.approx(np.pi / 6)
 
 
 def test_a_loop_is_shown_by_its_tree(here):

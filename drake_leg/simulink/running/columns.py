@@ -52,7 +52,7 @@ def labels_of(recorded: Sequence[Recorded], network: SignalNetwork) -> tuple[Lab
         base = _base(each, node, short[each.block], name)
         found += [
             Label(
-                header=_unique(f"{base}{index}", used),
+                header=unique(f"{base}{index}", used),
                 name=f"{name}{index}",
                 sink=each.block,
                 kind=node.block.kind if node else "",
@@ -124,7 +124,8 @@ def _shortened(paths: set[str]) -> dict[str, str]:
     return found
 
 
-def _unique(name: str, used: set[str]) -> str:
+def unique(name: str, used: set[str]) -> str:
+    """Number a name that is in use, and note it."""
     found, number = name, 2
     while found in used:
         found, number = f"{name}_{number}", number + 1
@@ -158,7 +159,7 @@ def figures_of(columns: Iterable[Column]) -> tuple[SinkFigure, ...]:
         word = re.sub(r"[^\w.-]+", "_", short[sink]).strip("._") or "sink"
         found.append(
             SinkFigure(
-                file_name=_unique(word[:60].lower(), used),
+                file_name=unique(word[:60].lower(), used),
                 title=_plain(sink),
                 axes=tuple(tuple(each) for each in ports.values()),
                 is_xy=first.label.kind == XY and len(ports) == 2,

@@ -27,6 +27,7 @@ from drake_leg.simulink.running.columns import labels_of
 from drake_leg.simulink.running.compiling import Code
 from drake_leg.simulink.running.folding import WIDTH, folded
 from drake_leg.simulink.running.kinds.functions import Expression
+from drake_leg.simulink.running.replaying import position_labels
 from drake_leg.simulink.running.running import Array, ModelDiagram, Runnable
 from drake_leg.simulink.running.settings import shape_of
 from drake_leg.simulink.wiring import physical_part
@@ -271,7 +272,10 @@ class _Writing:
     def _main(self) -> Iterator[str]:
         ready = self._ready
         yield "labels = ("
-        for label in labels_of(ready.code.recorded, ready.network):
+        labels, mechanism = labels_of(ready.code.recorded, ready.network), ready.diagram.mechanism
+        if mechanism is not None:
+            labels += position_labels(mechanism.plant, labels)
+        for label in labels:
             said = ", ".join(repr(part) for part in label)
             yield from folded(f"Label({said}),", 4)
         yield ")"
@@ -292,7 +296,11 @@ class _Writing:
         yield '    """Simulate the model, and write what its sinks show: a table, and figures."""'
         yield f"    folder = Path(sys.argv[1] if len(sys.argv) > 1 else {f'{self._name}_run'!r})"
         yield "    done = run()"
-        yield "    columns = columns_of(labels, [each.values for each in done.shown])"
+        yield "    shown = [each.values for each in done.shown]"
+        if mechanism is not None:
+            count = mechanism.plant.num_positions()
+            yield f"    shown.append(done.states[:, :{count}])  # positions of its joints"
+        yield "    columns = columns_of(labels, shown)"
         yield "    folder.mkdir(parents=True, exist_ok=True)"
         yield '    recording_of(done.time, columns).write_csv(folder / "recording.csv")'
         yield "    for sink in figures_of(columns):"

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import QuaternionFloatingJoint
 
+from drake_leg.simulink.running.columns import Label, unique
 from drake_leg.simulink.running.running import Array, ModelRun
+
+JOINTS = "positions of joints"  # what their columns and their figure are called
+UNITS = ("rad", "m", "")  # one axes each
+Joint = Any  # of Drake's, of any kind
 
 
 def positions_of(
@@ -28,3 +37,34 @@ def positions_of(
             start, first = joint.position_start(), other.position_start()
             q[:, start : start + count] = states[:, first : first + count]
     return run.time[rising][finite], q[finite]
+
+
+def position_labels(plant: MultibodyPlant, others: Iterable[Label] = ()) -> tuple[Label, ...]:
+    """Name the positions of a mechanism's joints, each in its unit, beside other columns."""
+    used = {label.header for label in others}
+    found = []
+    joints = (plant.get_joint(index) for index in plant.GetJointIndices())
+    moving = [joint for joint in joints if joint.num_positions()]
+    for joint in sorted(moving, key=lambda joint: joint.position_start()):
+        for place in range(joint.num_positions()):
+            suffix = joint.position_suffix(place)
+            unit = _unit(joint, suffix)
+            name = joint.name() if joint.num_positions() == 1 else f"{joint.name()}.{suffix}"
+            found.append(
+                Label(
+                    header=unique(f"{joint.name()}.{suffix}{f'[{unit}]' if unit else ''}", used),
+                    name=f"{name} [{unit}]" if unit else name,
+                    sink=JOINTS,
+                    kind="",
+                    port=UNITS.index(unit) + 1,
+                    signal="",
+                )
+            )
+    return tuple(found)
+
+
+def _unit(joint: Joint, suffix: str) -> str:
+    """Unit of a position: of a quaternion's parts there is none."""
+    if suffix in ("x", "y", "z"):
+        return "m"
+    return "" if joint.type_name() == QuaternionFloatingJoint.kTypeName else "rad"

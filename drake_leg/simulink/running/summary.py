@@ -119,7 +119,8 @@ def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
             "and delays of continuous signals take that step"
         )
     if not run.shown:
-        yield NO_SINK
+        joints = ready.diagram.mechanism is not None
+        yield f"{NO_SINK}{', so the joints alone are recorded' if joints else ''}"
     yield from run.remarks
 
 
