@@ -100,6 +100,11 @@ class Acting:
         """Return what depends on the state alone, as `sense`, but only what is read at once."""
         return self._sensed(state, self._now)
 
+    @property
+    def reads_places(self) -> bool:
+        """Whether what is read at once is more than positions and velocities of joints."""
+        return bool(self._now)
+
     def read_at_once(self, ports: frozenset[str]) -> None:
         """Say which ports are read while the mechanism moves; others are only shown."""
         starts = {self.sensed.slices[port].start for port in ports if port in self.sensed.slices}

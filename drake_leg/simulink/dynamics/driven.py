@@ -82,7 +82,10 @@ class DrivenMechanism(AtPorts, LeafSystem):
         output.SetFromVector(self._acting.sense(self._moved(context)))
 
     def _calc_now(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._acting.sense_now(self._moved(context)))
+        acting = self._acting
+        reads_places = acting.reads_places
+        state = self._moved(context) if reads_places else self.state_at(self._u.Eval(context))
+        output.SetFromVector(acting.sense_now(state))
 
     def _moved(self, context: Context) -> Array:
         state = self.state_at(self._u.Eval(context))

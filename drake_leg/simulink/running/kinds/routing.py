@@ -62,6 +62,8 @@ def mux(w: Writer) -> None:
 def demux(w: Writer) -> None:
     """Take a vector apart."""
     u = w.vector()
+    if not u.code.isidentifier():
+        u = w.let(u.code)
     asked = [int(each) for each in w.settings.numbers("Outputs", "4")]
     if len(asked) == 1 and asked[0] > 1:
         count = asked[0]
