@@ -65,7 +65,7 @@ class Acting:
         self.moment = Moment(self.tree, self.plant)
         self.constraints: list[Constraint] = [Welded(weld) for weld in welds]
         self.mechanism, self._places = mechanism, Places(mechanism)
-        self._applied = Applied(
+        self.applied = Applied(
             self.network,
             mechanism,
             self._places,
@@ -74,11 +74,11 @@ class Acting:
             files=FileMeshes(where),
             pulls=pulls,
         )
-        self.problems += self._applied.problems
-        self.constraints += self._applied.constraints
+        self.problems += self.applied.problems
+        self.constraints += self.applied.constraints
         self._solver = Solver(self.joints, self.constraints, self._rotors, nv)
         self.left_out: Mapping[str, tuple[str, ...]] = {
-            kind: tuple(names) for kind, names in self._applied.left_out.items()
+            kind: tuple(names) for kind, names in self.applied.left_out.items()
         }
         self._wired = {port for node in self.network.signals for port in node}
         self._add_sensing()
@@ -180,7 +180,7 @@ class Acting:
         for block in self.network.blocks.values():
             if block.kind == "Transform Sensor" and block.source.startswith("sm_lib/"):
                 yield from self._of_transform_sensor(block)
-        yield from self._applied.quantities
+        yield from self.applied.quantities
 
     def _of_transform_sensor(self, block: Block) -> list[Quantity]:
         places = [self._places.at(frame) for frame in self.network.ends(block)]
@@ -201,7 +201,7 @@ class Acting:
 
     def _wrenches(self, u: Array, multipliers: Array) -> Mapping[int, Array]:
         """Return the wrenches of forces and constraints on bodies."""
-        wrenches = Wrenches(self._applied.wrenches(self.moment, u))
+        wrenches = Wrenches(self.applied.wrenches(self.moment, u))
         first = 0
         for constraint in self.constraints:
             last = first + len(constraint)
@@ -218,8 +218,8 @@ class Acting:
         if not isinstance(found, Solution):
             moment = self.moment
             force = self.joints.internal(moment) + self.joints.actuation(moment, u)
-            if not self._applied.is_idle:
-                force += self._applied.generalized(moment, u)
+            if not self.applied.is_idle:
+                force += self.applied.generalized(moment, u)
             found = self.moment.memo[key] = self._solver.solve(moment, force, u)
         return found
 

@@ -88,6 +88,11 @@ class Applied:
                     self.problems.append(str(error))
 
     @property
+    def touches(self) -> bool:
+        """Whether two bodies may touch."""
+        return any(isinstance(force, Contact) for force in self._of_state)
+
+    @property
     def is_idle(self) -> bool:
         """Whether no force acts."""
         return not (self._of_state or self._of_input)

@@ -80,6 +80,11 @@ class MechanismSystem(AtPorts, Diagram):
         self.start(context)
         return context
 
+    @property
+    def touches(self) -> bool:
+        """Whether bodies may touch, which makes its equations stiff."""
+        return self._acting.applied.touches
+
     def start(self, context: Context, u: Array | None = None) -> None:
         """Set the state where the mechanism starts: at its state targets, loops closed.
 

@@ -51,8 +51,9 @@ STEPS = 50  # at least, of a run, as Simulink takes
 SAME_TIME = 1e-9  # [s]
 SHORTEST_STEP = 1e-10  # of the duration
 MOST_CORNERS = 100_000
-STIFF = "radau3"  # integrates what is stiff, as ode15s does; the others by runge_kutta3
-WINDOW, CRAWLING = 300, 2e-5  # steps, and their mean [s] below which a model is stiff
+# Contact is stiff, and a mechanism that takes short steps: implicit steps as of ode15s are longer.
+STIFF, STIFF_ACCURACY = "radau3", 1e-5
+WINDOW, CRAWLING = 300, 5e-5  # steps, and their mean [s] below which a mechanism is stiff
 INTERRUPTED = "interrupted"
 
 
@@ -312,9 +313,11 @@ def run_model(
     duration = ready.solver["duration"]
     simulator = Simulator(diagram, context)
     longest = ready.solver.get("longest step", duration / STEPS if duration else 1.0)
+    is_stiff = isinstance(diagram.mechanism, MechanismSystem) and diagram.mechanism.touches
+    usual = STIFF_ACCURACY if is_stiff else ACCURACY
     config = SimulatorConfig(
-        integration_scheme="runge_kutta3",
-        accuracy=accuracy or min(ACCURACY, ready.solver.get("tolerance", ACCURACY)),
+        integration_scheme=STIFF if is_stiff else "runge_kutta3",
+        accuracy=accuracy or min(usual, ready.solver.get("tolerance", usual)),
         max_step_size=longest,
         use_error_control=True,
     )

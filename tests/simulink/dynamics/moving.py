@@ -1,11 +1,17 @@
 """Helpers of the tests of mechanisms in motion: wires, runs, and what is sensed."""
 
+from mechanism_models import MechanismBuilder
 from pydrake.systems.analysis import Simulator
 
 from drake_leg.simulink.dynamics.system import mechanism_dynamics
 
 GRAVITY = 9.80665
 FORCES = "sm_lib/Forces and Torques/"
+CURVES = "sm_lib/Curves and Surfaces/"
+LAW = {
+    "NormalStiffness": "1e4", "NormalDamping": "30", "NormalTransitionRegionWidth": "1e-3",
+    "SenseNormalForceMagnitude": "on", "SenseSeparationDistance": "on",
+}  # fmt: skip
 
 
 def with_gravity(built, **texts):
@@ -57,3 +63,19 @@ def energy(system, context):
     plant = system.plant
     own = plant.GetMyContextFromRoot(context)
     return plant.CalcPotentialEnergy(own) + plant.CalcKineticEnergy(own)
+
+
+def falling(height, *, solid="Spherical Solid", texts=None, floor="Infinite Plane", **more):
+    """A free body above a floor; where it is, how far from the floor and how it is pushed."""
+    built = with_gravity(MechanismBuilder())
+    targets = {"PzPositionTargetSpecify": "on", "PzPositionTargetValue": str(height)}
+    built.joint("6-DOF", "Free", **targets, **more)
+    shape = {"ExportEntireGeometry": "on"} | (texts or {"SphereRadius": "0.1"})
+    built.body(solid, "Body", **shape)
+    built.add_library(CURVES + floor, "Floor")
+    built.add_library(FORCES + "Spatial Contact Force", "Contact", LAW)
+    built.meet("World", "Free lconn:1", "Floor lconn:1")
+    built.meet("Free", "Body")
+    built.meet("Floor", "Contact lconn:1")
+    built.meet("Body lconn:1", "Contact")
+    return wired(built, "Contact", "rconn:2", "rconn:3")

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from mechanism_models import MechanismBuilder
-from moving import FORCES, GRAVITY, dynamics, run, sensed, wired, with_gravity
+from moving import FORCES, GRAVITY, LAW, dynamics, falling, run, sensed, wired, with_gravity
 from pydrake.geometry import Box as DrakeBox
 from pydrake.geometry import Cylinder as DrakeCylinder
 from pydrake.geometry import (
@@ -22,28 +22,6 @@ from scipy.integrate import solve_ivp
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.contact import ContactLaw
 from drake_leg.simulink.dynamics.shapes import Ball, Barrel, Box, Ground, Hull, Rim
-
-CURVES = "sm_lib/Curves and Surfaces/"
-LAW = {
-    "NormalStiffness": "1e4", "NormalDamping": "30", "NormalTransitionRegionWidth": "1e-3",
-    "SenseNormalForceMagnitude": "on", "SenseSeparationDistance": "on",
-}  # fmt: skip
-
-
-def falling(height, *, solid="Spherical Solid", texts=None, floor="Infinite Plane", **more):
-    """A free body above a floor; where it is, how far from the floor and how it is pushed."""
-    built = with_gravity(MechanismBuilder())
-    targets = {"PzPositionTargetSpecify": "on", "PzPositionTargetValue": str(height)}
-    built.joint("6-DOF", "Free", **targets, **more)
-    shape = {"ExportEntireGeometry": "on"} | (texts or {"SphereRadius": "0.1"})
-    built.body(solid, "Body", **shape)
-    built.add_library(CURVES + floor, "Floor")
-    built.add_library(FORCES + "Spatial Contact Force", "Contact", LAW)
-    built.meet("World", "Free lconn:1", "Floor lconn:1")
-    built.meet("Free", "Body")
-    built.meet("Floor", "Contact lconn:1")
-    built.meet("Body lconn:1", "Contact")
-    return wired(built, "Contact", "rconn:2", "rconn:3")
 
 
 def test_a_ball_bounces_as_its_equation_says(tmp_path):

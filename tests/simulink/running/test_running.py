@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from mechanism_models import pendulum
+from moving import GRAVITY, falling
 from rigs import Rig, shown
 from scipy import signal
 from scipy.integrate import solve_ivp
@@ -290,3 +291,13 @@ def test_a_stiff_mechanism_is_integrated_implicitly(tmp_path):
     assert not run.stopped
     assert run.integrator == "radau3"
     assert run.steps < 2000
+
+
+def test_contact_is_integrated_implicitly(tmp_path):
+    """A ball that was dropped lies still, as deep in the floor as its weight presses it."""
+    run = run_model(runnable(falling(0.12).model(tmp_path), duration=2.0))
+    assert not run.stopped
+    assert run.integrator == "radau3"
+    weight = 1000.0 * 4.0 / 3.0 * np.pi * 0.1**3 * GRAVITY
+    assert run.states[-1, 6] == pytest.approx(0.1 - weight / 1e4, abs=1e-6)
+    assert run.steps < 3000
