@@ -194,21 +194,25 @@ class _Pairs:
 
     def _assess(self, pair: Pair) -> None:
         """Choose the joints beyond a pair of bodies that stand for each other."""
-        worths = {}
+        worths: dict[Pair, float] = {}
+        direct: dict[Pair, float] = {}
         for a, b in self._below[pair]:
             skips = (a.parent != pair[0]) + (b.parent != pair[1])
             beyond = self._worth[a.child, b.child]
-            worths[a.number, b.number] = self._of_joints(a, b) + beyond - SKIPPED * skips
-        chosen = _assigned(worths)
-        by_numbers = {(a.number, b.number): (a, b) for a, b in self._below[pair]}
-        lines: list[tuple[GraphJoint, GraphJoint]] = []
-        worth = self._of_bodies(*pair)
-        for numbers in sorted(chosen, key=lambda numbers: -worths[numbers]):
-            a, b = by_numbers[numbers]
-            if not any(_in_a_row(a, x) or _in_a_row(b, y) for x, y in lines):
-                lines.append((a, b))
-                worth += worths[numbers]
-        self._chosen[pair], self._worth[pair] = lines, worth
+            numbers = a.number, b.number
+            worths[numbers] = self._of_joints(a, b) + beyond - SKIPPED * skips
+            if not skips:
+                direct[numbers] = worths[numbers]
+        best = _assigned(direct)
+        if len(direct) < len(worths):
+            by_numbers = {(a.number, b.number): (a, b) for a, b in self._below[pair]}
+            other = _apart(sorted(_assigned(worths), key=lambda n: -worths[n]), by_numbers)
+            best = max(best, other, key=lambda chosen: sum(worths[n] for n in chosen))
+        wanted = set(best)
+        self._chosen[pair] = [
+            (a, b) for a, b in self._below[pair] if (a.number, b.number) in wanted
+        ]
+        self._worth[pair] = self._of_bodies(*pair) + sum(worths[numbers] for numbers in best)
 
     def _of_bodies(self, a: int, b: int) -> float:
         ours, theirs = self._ours, self._theirs
@@ -238,6 +242,19 @@ class _Pairs:
 def _in_a_row(a: GraphJoint, b: GraphJoint) -> bool:
     """Tell whether one of two joints leads to the other."""
     return a.parent == b.child or b.parent == a.child
+
+
+def _apart(
+    ranked: Sequence[Pair], joints: Mapping[Pair, tuple[GraphJoint, GraphJoint]]
+) -> list[Pair]:
+    """Leave out pairs of which a joint leads to one of a pair before it."""
+    found: list[Pair] = []
+    for numbers in ranked:
+        a, b = joints[numbers]
+        before = (joints[other] for other in found)
+        if not any(_in_a_row(a, x) or _in_a_row(b, y) for x, y in before):
+            found.append(numbers)
+    return found
 
 
 def _assigned(worths: Mapping[Pair, float]) -> list[Pair]:

@@ -2,7 +2,7 @@
 
 import pytest
 from model_changes import add_leg, drawn_first_last, rewired
-from slx_models import JACOB_INV, REVOLUTE, RIGID_TRANSFORM, TO_PHYSICAL, published_leg
+from slx_models import BRICK, JACOB_INV, REVOLUTE, RIGID_TRANSFORM, TO_PHYSICAL, published_leg
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.compare.models import compare_models
@@ -209,6 +209,18 @@ def test_six_legs_in_any_order_and_by_any_names(compared):
     assert changed(wrong) == [
         (f"leg 3 to {place}", "TranslationCartesianOffset") for place in (1, 2)
     ]
+
+
+def test_branches_of_which_one_is_like_a_part_of_another_are_matched_with_themselves(compared):
+    """A leg beside a longer one that ends in the same joints and bricks."""
+    model = add_leg(add_leg(published_leg(), "short", "[0 1 0]"), "long", "[0 2 0]")
+    tip = model.add_library(REVOLUTE, "tip", ports={"lconn": 1, "rconn": 1})
+    brick = model.add_library(BRICK, "end", ports={"rconn": 1})
+    model.physical(f"{model.sid('long joint 2')}#rconn:1", f"{tip}#lconn:1")
+    model.physical(f"{tip}#rconn:1", f"{brick}#rconn:1")
+    found = compared(model, model)
+    assert found.agrees, (found.different, found.missing)
+    assert not found.extra
 
 
 def test_a_leg_more_is_missing_and_a_leg_less_is_extra(compared):
