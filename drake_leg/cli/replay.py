@@ -104,6 +104,11 @@ class _RecordedRun:
         except UnreadableFileError as error:
             fault = f"cannot be read ({error.reason})"
         summary = summary if isinstance(summary, dict) else {}
+        if isinstance(summary.get("model"), str):
+            raise OutputError(
+                f"{folder} is a run of the Simulink model {summary['model']!r}: run the model "
+                "again with --replay FILE, or --video FILE"
+            )
         if fault is None and not isinstance(summary.get("robot"), str):
             fault = "has no entry 'robot' with a name"
         return cls(folder=folder, summary=summary, fault=fault)

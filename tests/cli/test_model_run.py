@@ -203,6 +203,12 @@ def test_a_loop_is_shown_by_its_tree(here):
     np.testing.assert_allclose(q[0], shown.GetDefaultPositions(), atol=1e-8)
 
 
+def test_a_folder_of_a_models_run_is_not_taken_for_a_robots(run, capsys):
+    assert run(oscillator())[0] == 0
+    assert main(["replay", "out", "--out", "m.html"]) == 2
+    assert "is a run of the Simulink model 'm': run the model again" in capsys.readouterr().err
+
+
 def test_showing_a_model_without_a_mechanism_is_refused(run):
     for option in ("--stills", "--contact=smooth", "--replay=m.html"):
         status, printed, recording, _ = run(oscillator(), option)
