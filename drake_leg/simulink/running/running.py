@@ -51,9 +51,10 @@ STEPS = 50  # at least, of a run, as Simulink takes
 SAME_TIME = 1e-9  # [s]
 SHORTEST_STEP = 1e-10  # of the duration
 MOST_CORNERS = 100_000
-# Contact is stiff, and a mechanism that takes short steps: implicit steps as of ode15s are longer.
+# Contact is stiff, and a model that takes short steps: implicit steps as of ode15s are longer.
 STIFF, STIFF_ACCURACY = "radau3", 1e-5
-WINDOW, CRAWLING = 300, 5e-5  # steps, and their mean [s] below which a mechanism is stiff
+WINDOW = 300  # steps over which the mean is taken
+CRAWLING = 3e-3  # [s]: a model of n states is stiff below a mean of this over (n + 16)
 INTERRUPTED = "interrupted"
 
 
@@ -396,8 +397,8 @@ class _Watch:
             return self._end(context, f"{_not_finite(self._diagram, context)} is not finite")
         if isinstance(self._diagram.mechanism, MechanismSystem):
             self._diagram.mechanism.follow(context)
-            if self._begins_to_crawl(context.get_time()):
-                return EventStatus.ReachedTermination(self._diagram, "the mechanism is stiff")
+        if self._begins_to_crawl(context.get_time(), len(x)):
+            return EventStatus.ReachedTermination(self._diagram, "the model is stiff")
         signals = self._diagram.signals
         if signals.code.stops:
             shown = signals.GetOutputPort("scopes").Eval(signals.GetMyContextFromRoot(context))
@@ -411,12 +412,13 @@ class _Watch:
             return self._end(context, f"it took more than {self._budget:g} s")
         return EventStatus.DidNothing()
 
-    def _begins_to_crawl(self, time: float) -> bool:
-        """Tell once that steps have become so short that the mechanism is stiff."""
+    def _begins_to_crawl(self, time: float, states: int) -> bool:
+        """Tell once that steps have become so short that the model is stiff."""
         self._steps += 1
         if self.crawls or self._steps % WINDOW:
             return False
-        self.crawls, self._mark = time - self._mark < WINDOW * CRAWLING, time
+        least = WINDOW * CRAWLING / (states + 16)  # as an implicit step costs a Jacobian
+        self.crawls, self._mark = time - self._mark < least, time
         return self.crawls
 
     def _end(self, context: Context, why: str) -> EventStatus:
