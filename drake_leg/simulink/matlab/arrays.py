@@ -75,6 +75,10 @@ def _extreme(pick: Any, find: Any, pair: Any) -> Known:
         along = axis_of(array, None if isinstance(axis, str) else axis)
         if along >= array.ndim:
             return value
+        if np.iscomplexobj(array):
+            at = find(np.abs(array), axis=along, keepdims=True)
+            longest = settled(np.take_along_axis(array, at, along))
+            return (longest, settled(at + 1.0)) if wanted > 1 else longest
         found = settled(pick(array, axis=along, keepdims=True))
         if wanted < 2:
             return found
@@ -141,8 +145,16 @@ def _sort(budget: Allowance, wanted: int, value: Any, *rest: Any) -> Any:
         return like(value, sorted_items), line_like(order + 1.0, value.items)
     array = numbers_of(value)
     along = axis_of(array, next((x for x in rest if not isinstance(x, str)), None))
-    places = np.argsort(-array if down else array, axis=along, kind="stable")
+    places = _order(array, along, down)
     return like(value, np.take_along_axis(array, places, along)), settled(places + 1.0)
+
+
+def _order(array: NDArray[Any], along: int, down: bool) -> NDArray[np.intp]:
+    """Places in order; complex numbers go by length, then by angle, and NaN counts as largest."""
+    sign = -1.0 if down else 1.0
+    keys = [array] if np.isrealobj(array) else [np.angle(array), np.abs(array)]
+    nothing = np.isnan(array) != down
+    return np.lexsort((*(sign * key for key in keys), nothing), axis=along)
 
 
 def _unique(budget: Allowance, wanted: int, value: Any, *rest: Any) -> Any:

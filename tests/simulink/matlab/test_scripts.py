@@ -168,6 +168,9 @@ OCTAVE = [
     ("[~, i, j] = unique([2 1; 1 3; 2 2], 'rows'); r = [i j];", "[2 2;1 1;3 3]"),
     ("r = unwrap([0 3 -3 0]) - [0 3 2*pi-3 2*pi];", "[0 0 0 0]"),
     ("r = cumtrapz([0 1 3], [0 2 4]);", "[0 1 7]"),
+    ("r = sort([3 1+2i -2 0.5i]).';", "[0 0.5;-2 0;1 2;3 0]"),
+    ("r = isnan(sort([1 nan 3], 'descend'));", "[1 0 0]"),
+    ("[m, k] = max([1+2i 3 -2i]); [~, l] = min([1+2i 3 -2i]); r = [m k l];", "[3 2 3]"),
     # closed forms: x = 1/2 of -x - x + 1 = 0; of the double integrator K = [1 sqrt(3)]
     ("r = lyap(-1, 1);", "0.5"),
     ("r = lqr([0 1; 0 0], [0; 1], eye(2), 1);", "[1 sqrt(3)]"),

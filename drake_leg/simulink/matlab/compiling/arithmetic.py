@@ -11,6 +11,7 @@ import numpy as np
 from drake_leg.simulink.matlab import operators
 from drake_leg.simulink.matlab.compiling.code import (
     Code,
+    FaultError,
     constant,
     floats,
     is_constant,
@@ -140,8 +141,8 @@ def by_elements(
     """Combine two small arrays element by element; rows, columns and numbers are repeated."""
     try:
         pairs = np.broadcast_arrays(positions(left), positions(right))
-    except ValueError:
-        return None
+    except ValueError as fault:
+        raise FaultError("sizes do not match") from fault
     if not is_scalar(left.kind) or not is_scalar(right.kind):
         left, right = t.atoms(left), t.atoms(right)
     lefts, rights = _elements(left), _elements(right)
@@ -212,7 +213,7 @@ def _product(t: Translation, left: Code, right: Code) -> Code | None:
     """Product of two small matrices."""
     a, b = positions(left), positions(right)
     if a.ndim != 2 or b.ndim != 2 or a.shape[1] != b.shape[0]:
-        return None
+        raise FaultError("sizes do not match")
     count = a.shape[0] * a.shape[1] * b.shape[1]
     if count > MOST_PRODUCTS or not a.shape[1]:
         return _of_arrays(t, "*", left, right)

@@ -30,6 +30,10 @@ class UncompilableError(Exception):
     """A construct that is left to the interpreter."""
 
 
+class FaultError(UncompilableError):
+    """A statement that surely fails where it is carried out."""
+
+
 @dataclass(frozen=True)
 class Code:
     """A value."""

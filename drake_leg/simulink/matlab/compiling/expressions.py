@@ -11,6 +11,7 @@ from drake_leg.simulink.matlab.compiling import arithmetic
 from drake_leg.simulink.matlab.compiling.arithmetic import folded, from_truth, truth
 from drake_leg.simulink.matlab.compiling.code import (
     Code,
+    FaultError,
     UncompilableError,
     constant,
     fields_of,
@@ -154,7 +155,7 @@ def _field(t: Translation, owner: Code, name: str) -> Code:
     if isinstance(owner.kind, Record):
         fields = fields_of(owner)
         if name not in fields:
-            raise UncompilableError("a field that is not there")
+            raise FaultError("a field that is not there")
         found = fields[name]
         number = found.kind.value if isinstance(found.kind, Numbers) else None
         return constant(number) or found if isinstance(number, float | bool) else found
@@ -223,7 +224,10 @@ def _logic(t: Translation, symbol: str, operands: tuple[syntax.Expression, ...])
         if total == str(not both):
             return total
         with t.into(Lines()) as lines:
-            condition = truth(t, value(t, operand))
+            try:
+                condition = truth(t, value(t, operand))
+            except FaultError:
+                condition = "lost()"
         if total == str(both):
             t.lines.extend(lines)
             total = condition
@@ -319,7 +323,7 @@ def call(t: Translation, name: str, given: list[Code], wanted: int) -> list[Code
         return []
     if name in NOT_RUN and not wanted:
         return []
-    raise UncompilableError(f"'{name}' is not known, or not run")
+    raise FaultError(f"'{name}' has no value, or is not run")
 
 
 def _known(number: float) -> Code:
@@ -331,6 +335,8 @@ def _known(number: float) -> Code:
 def _special(t: Translation, name: str, given: list[Code], wanted: int) -> list[Code]:
     if name not in _APPLYING | _SAYING | _DRAWING:
         raise UncompilableError(f"'{name}' sees all variables")
+    if name == "error":
+        raise FaultError("it says that it fails")
     if name in _APPLYING:
         t.module.applies = True
     piece = called("special", repr(name), _listed(t, given), str(wanted))

@@ -14,6 +14,7 @@ from drake_leg.simulink.matlab.checking import walked
 from drake_leg.simulink.matlab.compiling import runtime
 from drake_leg.simulink.matlab.compiling.code import (
     Code,
+    FaultError,
     UncompilableError,
     constant,
     converted,
@@ -55,8 +56,9 @@ class Written:
     inputs: list[Kind]
     outputs: list[Kind] = field(default_factory=list)
     lines: Lines = field(default_factory=Lines)
-    open: bool = True  # it is being written
+    unfinished: bool = True  # it is being written
     failed: bool = False  # it is left to the interpreter
+    fails: bool = False  # it surely fails where it is called
 
 
 class Module:
@@ -118,7 +120,9 @@ class Module:
 
     def is_active_twice(self, function: syntax.Function) -> bool:
         """Whether a function is written for a call from itself."""
-        written = [one for one in self._written.values() if one.function is function and one.open]
+        written = [
+            one for one in self._written.values() if one.function is function and one.unfinished
+        ]
         return len(written) > 1 or self.is_recursive(function)
 
     def enter(
@@ -133,6 +137,8 @@ class Module:
         if _is_plain(function, len(given), wanted):
             kinds = self._generalized(function, [code.kind for code in given])
             written = self._for(function, file, kinds, wanted)
+            if written.fails:
+                raise FaultError("a function that fails is called")
             if not written.failed:
                 return self._call(t, written, given, wanted)
         arguments = f"[{', '.join(map(t.whole, given))}]"
@@ -145,14 +151,16 @@ class Module:
         return [Code(ANYTHING, (f"{listed}[{k}]",)) for k in range(wanted)]
 
     def _call(self, t: Translation, written: Written, given: list[Code], wanted: int) -> list[Code]:
-        if written.open:
+        if written.unfinished:
             self._recursive.add(id(written.function))
         pieces = [
             part
             for code, kind in zip(given, written.inputs, strict=True)
             for part in converted(code, kind).parts
         ]
-        outputs: list[Kind] = [ANYTHING] * wanted if written.open else written.outputs[:wanted]
+        outputs: list[Kind] = (
+            [ANYTHING] * wanted if written.unfinished else written.outputs[:wanted]
+        )
         names = [tuple(t.name() for _ in range(places(kind))) for kind in outputs]
         flat = [name for one in names for name in one]
         call = called(written.name, *pieces)
@@ -165,7 +173,7 @@ class Module:
     def _generalized(self, function: syntax.Function, kinds: list[Kind]) -> list[Kind]:
         """Forget constants of inputs where a function would be written too often."""
         written = [one for one in self._written.values() if one.function is function]
-        if len(written) >= _EXACT or any(one.open for one in written):
+        if len(written) >= _EXACT or any(one.unfinished for one in written):
             kinds = [_loose(kind) for kind in kinds]
         if len(written) >= 2 * _EXACT or len(self._written) >= _MOST:
             kinds = [ANYTHING for _ in kinds]
@@ -182,9 +190,11 @@ class Module:
         self._written[key] = written
         try:
             self._write(written, file, wanted)
+        except FaultError:
+            written.failed = written.fails = True
         except UncompilableError:
             written.failed = True
-        written.open = False
+        written.unfinished = False
         return written
 
     def _write(self, written: Written, file: File, wanted: int) -> None:
@@ -275,7 +285,7 @@ def _nodes(node: Any) -> Iterator[Any]:
             yield from _nodes(one)
     elif is_dataclass(node):
         yield node
-        yield from _nodes(tuple(vars(node).values()))
+        yield from _nodes(tuple(node.__dict__.values()))
 
 
 def _taken_in(t: Translation, piece: str, name: str, kind: Kind, shape: Any) -> Code:
@@ -317,8 +327,8 @@ acosh atanh atan2 hypot isinf isfinite pow"""
 _NAMES: dict[str, Any] = {
     "__builtins__": {},
     **{one.__name__: one for one in (float, int, bool, abs)},
-    **{name: vars(math)[name] for name in _OF_MATH.split()},
-    **{name: one for name, one in vars(runtime).items() if name in runtime.USED.split()},
+    **{name: math.__dict__[name] for name in _OF_MATH.split()},
+    **{name: one for name, one in runtime.__dict__.items() if name in runtime.USED.split()},
     "nan": math.nan,
     "inf": math.inf,
     "zeros": np.zeros,

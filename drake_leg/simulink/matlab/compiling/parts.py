@@ -15,6 +15,7 @@ from drake_leg.simulink.matlab import indexing
 from drake_leg.simulink.matlab.compiling.arithmetic import folded
 from drake_leg.simulink.matlab.compiling.code import (
     Code,
+    FaultError,
     UncompilableError,
     floats,
     is_constant,
@@ -203,8 +204,8 @@ def _at_constants(
         return _of_known_size(t, base, indices, [])
     try:
         found = _read(positions(base), constants)
-    except MatlabError:
-        return None
+    except MatlabError as fault:
+        raise FaultError("an element that is not there") from fault
     made = moved(found, base.parts, _kind(base))
     if is_constant(base):
         value = value_of(base)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import keyword
 import math
 import re
 from collections.abc import Iterator
@@ -126,6 +125,6 @@ def safe(name: str) -> str:
     ValueError
         If it is none.
     """
-    if not (name.isascii() and name.isidentifier()) or keyword.iskeyword(f"v_{name}"):
+    if not (name.isascii() and name.isidentifier()):
         raise ValueError(name)
     return name

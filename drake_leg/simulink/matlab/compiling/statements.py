@@ -10,6 +10,7 @@ from drake_leg.simulink.matlab.compiling.arithmetic import truth
 from drake_leg.simulink.matlab.compiling.assignments import assign, declare
 from drake_leg.simulink.matlab.compiling.code import (
     Code,
+    FaultError,
     UncompilableError,
     converted,
     floats,
@@ -72,7 +73,17 @@ class Ways:
 
 def body_of(t: Translation, ways: Ways, statements: tuple[syntax.Statement, ...]) -> bool:
     """Write statements; tell whether the code goes on after them."""
-    return all(_statement(t, ways, statement) for statement in statements)
+    return all(_goes_on(t, ways, statement) for statement in statements)
+
+
+def _goes_on(t: Translation, ways: Ways, statement: syntax.Statement) -> bool:
+    depth = len(ways.jumps)
+    try:
+        return _statement(t, ways, statement)
+    except FaultError:
+        del ways.jumps[depth:]
+        t.emit("raise DepartureError")
+        return False
 
 
 def _statement(t: Translation, ways: Ways, statement: syntax.Statement) -> bool:
@@ -403,6 +414,8 @@ def function_of(t: Translation) -> tuple[Lines, list[Kind]]:
             slot = Lines()
             t.emit(slot)
             ways.returns.append(Way(t.variables, slot))
+    if not ways.returns:
+        raise FaultError("it fails on all ways")
     names = t.function.outputs[: t.wanted]
     kinds: list[Kind] = []
     for name in names:

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.compiling.code import UncompilableError
 from drake_leg.simulink.matlab.compiling.kinds import (
     ANYTHING,
     SCALAR,
@@ -141,7 +140,7 @@ class Variants:
         try:
             source = module.source(self._main, self._file, inputs, shapes)
             code = compile(source, f"<MATLAB function {self._main.name}>", "exec")
-        except (UncompilableError, SyntaxError, RecursionError, MemoryError, ValueError):
+        except Exception:  # the interpreter takes what the compiler does not
             return Variant()
         namespace = module.namespace()
         exec(code, namespace)
