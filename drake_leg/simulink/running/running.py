@@ -397,7 +397,8 @@ class _Watch:
             return self._end(context, f"{_not_finite(self._diagram, context)} is not finite")
         if isinstance(self._diagram.mechanism, MechanismSystem):
             self._diagram.mechanism.follow(context)
-        if self._begins_to_crawl(context.get_time(), len(x)):
+        moves = self._diagram.mechanism is not None  # signals alone crawl where they have a pole
+        if moves and self._begins_to_crawl(context.get_time(), len(x)):
             return EventStatus.ReachedTermination(self._diagram, "the model is stiff")
         signals = self._diagram.signals
         if signals.code.stops:
