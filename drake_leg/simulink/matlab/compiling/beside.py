@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from drake_leg.simulink.matlab import syntax
+from drake_leg.simulink.matlab.checking import walked
 from drake_leg.simulink.matlab.data import LackError
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.matlab.frames import Alone, File
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN
+from drake_leg.simulink.matlab.names import names_in
 from drake_leg.simulink.matlab.specials import SPECIAL
 
 
@@ -19,6 +22,40 @@ class Beside(Alone):
         """Find the file of a function, seen from another one."""
         known = name in KNOWN or name in CONSTANTS or name in SPECIAL
         return self._folders.function(name, file.folder, known=known)
+
+
+_DRAWING = ("rand", "randi", "rng")
+
+
+def keeps(main: syntax.Function, file: File, host: Alone) -> bool:
+    """Whether a function, or one that it calls, has persistent variables or random numbers."""
+    open_ones, seen = [(main, file)], {id(main)}
+    while open_ones:
+        function, home = open_ones.pop()
+        for statement, expressions in walked(function.body):
+            if isinstance(statement, syntax.Declare):
+                return True
+            for name in names_in(tuple(node for _, node in expressions)):
+                own = own_function(name, home, host)
+                if own is None and name in _DRAWING:
+                    return True
+                if own is not None and id(own[0]) not in seen:
+                    seen.add(id(own[0]))
+                    open_ones.append(own)
+    return False
+
+
+def own_function(name: str, home: File, host: Alone) -> tuple[syntax.Function, File] | None:
+    """Find a function that is written in MATLAB, and its file."""
+    if name in home.functions:
+        return home.functions[name], home
+    try:
+        found = host.function_file(name, home)
+    except LackError:
+        return None
+    if found is None or not found.functions:
+        return None
+    return next(iter(found.functions.values())), found
 
 
 def is_beside(host: Alone, name: str) -> bool:

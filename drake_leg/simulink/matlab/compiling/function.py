@@ -11,7 +11,7 @@ import numpy as np
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.checking import checked_functions, located, require_supported
-from drake_leg.simulink.matlab.compiling.beside import Beside, is_beside
+from drake_leg.simulink.matlab.compiling.beside import Beside, is_beside, keeps
 from drake_leg.simulink.matlab.compiling.machine import Machine
 from drake_leg.simulink.matlab.compiling.values import inward, outward
 from drake_leg.simulink.matlab.compiling.variants import Variants
@@ -54,6 +54,11 @@ class CompiledFunction:
     def source(self) -> str:
         """Python source for the kinds of arguments of the calls so far; "" before the first."""
         return self._variants.source
+
+    @property
+    def keeps(self) -> bool:
+        """Whether a call may leave something for the next: in functions of other files, too."""
+        return keeps(self._main, self._file, self._machine.host)
 
     def start(self) -> Memory:
         """Return the persistent variables before the first call.

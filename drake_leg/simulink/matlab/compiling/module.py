@@ -12,6 +12,7 @@ import numpy as np
 from drake_leg.simulink.matlab import operators, syntax, writing
 from drake_leg.simulink.matlab.checking import walked
 from drake_leg.simulink.matlab.compiling import runtime
+from drake_leg.simulink.matlab.compiling.beside import own_function
 from drake_leg.simulink.matlab.compiling.code import (
     Code,
     FaultError,
@@ -98,12 +99,7 @@ class Module:
 
     def own(self, name: str, file: File) -> tuple[syntax.Function, File] | None:
         """Find a function that is written in MATLAB."""
-        if name in file.functions:
-            return file.functions[name], file
-        found = self.machine.host.function_file(name, file)
-        if found and found.functions:
-            return next(iter(found.functions.values())), found
-        return None
+        return own_function(name, file, self.machine.host)
 
     def uses_answer(self, function: syntax.Function) -> bool:
         """Whether a function uses the value of the last expression."""

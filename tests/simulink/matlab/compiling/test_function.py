@@ -84,6 +84,18 @@ def test_functions_in_files_keep_their_own(tmp_path):
     function = compiled("function y = f(u)\ny = step(u) + step(1);", functions=folders)
     kept = function.start()
     assert [function.call(kept, 2.0) for _ in range(2)] == [(5.0,), (11.0,)]
+    assert function.keeps
+
+
+@pytest.mark.parametrize(
+    ("body", "keeps"),
+    [("y = sin(u);", False), ("y = u + rand;", True), ("y = g(u);", True), ("y = h(u);", False)],
+)
+def test_it_is_known_whether_a_call_leaves_something(body, keeps):
+    others = (
+        "function y = h(u)\ny = u;\nend\nfunction y = g(u)\npersistent k\nk = u; y = h(k);\nend"
+    )
+    assert compiled(f"function y = f(u)\n{body}\nend\n{others}").keeps == keeps
 
 
 @pytest.mark.parametrize(
