@@ -52,7 +52,7 @@ SAME_TIME = 1e-9  # [s]
 SHORTEST_STEP = 1e-10  # of the duration
 MOST_CORNERS = 100_000
 # Contact is stiff, and a model that takes short steps: implicit steps as of ode15s are longer.
-STIFF, STIFF_ACCURACY = "radau3", 1e-5
+STIFF, STIFF_ACCURACY = "radau3", 1e-3
 WINDOW = 300  # steps over which the mean is taken
 CRAWLING = 3e-3  # [s]: a model of n states is stiff below a mean of this over (n + 16)
 INTERRUPTED = "interrupted"
