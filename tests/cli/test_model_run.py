@@ -138,6 +138,17 @@ def test_values_come_from_the_script_that_a_person_would_run(run, here):
     assert run(built, "--set", "w=1", out="other")[1].err == ""
 
 
+def test_what_callbacks_do_to_the_system_is_skipped_and_listed(run):
+    built = oscillator()
+    built.callbacks["InitFcn"] = "plot(1);\nplot(2);\nplot(3);\nsystem('ls');"
+    status, printed, _, summary = run(built)
+    assert status == 0
+    assert len(summary["skipped"]) == 4
+    assert "skipped in scripts and callbacks: plot" in printed.err
+    assert "; and 1 more" in printed.err
+    assert "system" in summary["skipped"][-1]
+
+
 def test_a_block_that_does_not_run_is_replaced_by_a_constant(run):
     status, printed, recording, _ = run(charted())
     assert (status, recording) == (2, None)

@@ -170,8 +170,13 @@ class _Writing:
     def _constants(self) -> Iterator[str]:
         used = _names_in(self._ready.code.source)
         for name, value in self._ready.code.scope.items():
-            if name not in NAMESPACE and name in used:
-                yield from folded(f"{name} = {self._constant(name, value)}", 0)
+            if name in NAMESPACE or name not in used:
+                continue
+            line = f"{name} = {self._constant(name, value)}"
+            if len(line) > WIDTH and isinstance(value, np.ndarray) and value.ndim == 2:
+                yield from _rows(name, value)
+            else:
+                yield from folded(line, 0)
 
     def _constant(self, name: str, value: Any) -> str:  # noqa: ANN401 - of any kind
         call = self._ready.code.written.get(name)
@@ -405,6 +410,14 @@ def _written(value: Any, name: str) -> str:  # noqa: ANN401 - of any kind
         pairs = (f"{key!r}: {_written(each, name)}" for key, each in value.items())
         return f"{{{', '.join(pairs)}}}"
     raise InvalidValueError(f"{name} is a {type(value).__name__}, which a script cannot hold")
+
+
+def _rows(name: str, matrix: Array) -> Iterator[str]:
+    """Write a matrix by its rows."""
+    yield f"{name} = array(["
+    for row in matrix:
+        yield from folded(f"{_written(row.tolist(), name)},", 4)
+    yield "])"
 
 
 def _called(call: Call) -> str:

@@ -16,7 +16,8 @@ from drake_leg.simulink.running.running import ModelRun, Runnable
 
 SETTINGS = ("Solver", "SolverType", "StartTime", "StopTime", "RelTol", "AbsTol", "MaxStep",
             "FixedStep")  # fmt: skip
-MOST_NAMES = 60  # of states and skipped callbacks that a summary lists
+MOST_NAMES = 60  # of states that a summary lists
+SHOWN = 3  # lines that were skipped, in a remark; the summary lists all
 NO_SINK = "no Scope or other sink of the model shows a signal"
 
 
@@ -58,8 +59,14 @@ def summary_of(
             }
             for label in (column.label for column in columns)
         ],
+        "skipped": _skipped(model),
         "remarks": [*remarks],
     }
+
+
+def _skipped(model: Model) -> list[str]:
+    """List what scripts and callbacks do that is not done here."""
+    return [str(one) for one in model.variables.workspace.skipped] if model.variables else []
 
 
 def _solver_of(model: Model) -> dict[str, Any]:
@@ -106,10 +113,10 @@ def _understood(model: Model, ready: Runnable) -> dict[str, Any]:
 
 def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
     """Say what of a model was skipped or left out, and what runs otherwise than in Simulink."""
-    skipped = [str(one) for one in model.variables.workspace.skipped] if model.variables else []
+    skipped = _skipped(model)
     if skipped:
-        more = f"; and {len(skipped) - MOST_NAMES} more" if len(skipped) > MOST_NAMES else ""
-        yield f"skipped in scripts and callbacks: {'; '.join(skipped[:MOST_NAMES])}{more}"
+        more = f"; and {len(skipped) - SHOWN} more" if len(skipped) > SHOWN else ""
+        yield f"skipped in scripts and callbacks: {'; '.join(skipped[:SHOWN])}{more}"
     if ready.diagram.mechanism is not None and ready.diagram.mechanism.left_out:
         yield f"left out of the mechanism: {_counted(ready.diagram.mechanism.left_out)}"
     if "fixed step" in ready.solver:

@@ -62,6 +62,14 @@ def test_sample_times_code_tables_and_stops(tmp_path):
     points, values = "linspace(-1, 1, 500)", "linspace(-1, 1, 500).^3"
     table = {"BreakpointsForDimension1": points, "Table": values}
     rig.show(rig.block("Lookup_n-D", "Table", u, NumberOfTableDimensions="1", **table), "cube")
+    square = rig.block(
+        "Product",
+        "Square",
+        rig.constant("reshape(1:144, 12, 12)/7"),
+        u,
+        Multiplication="Element-wise(.*)",
+    )
+    rig.show(square, "magic")
     code = rig.add_function("Counter", "function y = f(u)\n% it's \"kept\"\npersistent n\n"
                             "if isempty(n)\n n = 0;\nend\nn = n + u;\ny = [n; 2*n];\n")  # fmt: skip
     rig.connect(delayed, code)
@@ -75,6 +83,7 @@ def test_sample_times_code_tables_and_stops(tmp_path):
     assert '"arrays"' in script.data  # 500 numbers are more than a script should hold
     assert INLINE < 500
     assert "persistent n" in script.text
+    assert " = array([\n    [0.14285714285714285, " in script.text  # a matrix by its rows
 
 
 def test_a_replaced_block(tmp_path):
