@@ -32,6 +32,9 @@ NAMESPACE: Mapping[str, Any] = operations.NAMES
 class UnknownShapeError(Exception):
     """The value of a signal is not known yet, as it comes from a state of unknown shape."""
 
+    def __init__(self, port: str) -> None:
+        super().__init__(port)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Operand:
