@@ -324,7 +324,8 @@ def run_model(
     )
     shortest = SHORTEST_STEP * max(duration, 1.0)
     _integrate(simulator, config, shortest)
-    watch = _Watch(diagram, budget, progress)
+    # Short steps of a fine accuracy are no sign of stiffness.
+    watch = _Watch(diagram, budget, progress, may_crawl=config.accuracy >= ACCURACY)
     simulator.set_monitor(watch)
     began = monotonic()
     stopped = ""
@@ -383,8 +384,12 @@ class _Watch:
         diagram: ModelDiagram,
         budget: float | None,
         progress: Callable[[float], None] | None,
+        *,
+        may_crawl: bool,
     ) -> None:
         self._diagram, self._budget, self._progress = diagram, budget, progress
+        # Signals alone crawl where they have a pole.
+        self._may_crawl = may_crawl and diagram.mechanism is not None
         self._began = monotonic()
         self.stopped = ""
         self.by_block = False
@@ -397,8 +402,7 @@ class _Watch:
             return self._end(context, f"{_not_finite(self._diagram, context)} is not finite")
         if isinstance(self._diagram.mechanism, MechanismSystem):
             self._diagram.mechanism.follow(context)
-        moves = self._diagram.mechanism is not None  # signals alone crawl where they have a pole
-        if moves and self._begins_to_crawl(context.get_time(), len(x)):
+        if self._may_crawl and self._begins_to_crawl(context.get_time(), len(x)):
             return EventStatus.ReachedTermination(self._diagram, "the model is stiff")
         signals = self._diagram.signals
         if signals.code.stops:

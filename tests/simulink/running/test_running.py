@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from slx_models import published_leg
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.runs.catalogue import RUNS
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.reader import read_model
 from drake_leg.simulink.running.running import run_model, runnable
@@ -270,6 +271,16 @@ def test_the_lab_with_its_filters_drifts_as_it_does_in_simscape(tmp_path):
     drift = feet[-1] - feet[0]
     assert drift[1] == pytest.approx(-1.237, abs=1e-3)
     assert drift[2] == pytest.approx(0.506, abs=1e-3)
+
+
+@pytest.mark.slow
+def test_the_lab_from_its_file_is_the_run_of_leg_b_with_the_same_filters(tmp_path):
+    path = published_leg(filtered=True, stop_time="0.5").write(tmp_path / "leg.slx")
+    run = run_model(runnable(read_model(path)), accuracy=1e-9)
+    options = RUNS["leg-b"].options(duration=0.5, filter_time_constant=0.001, accuracy=1e-12)
+    leg = RUNS["leg-b"].run(options).recording
+    for letter, column in zip("xyz", foot_of(run)[1].T, strict=True):
+        assert column[-1] / 1e3 == pytest.approx(leg[letter][-1], abs=1e-8)
 
 
 def foot_of(run):
