@@ -40,7 +40,7 @@ SIGNALS = """
 ## Simulink
 
 *In a run* tells what the block does when `drake-leg run` runs a model. A block for which it says
-nothing is named as lacking; `--replace` lets a value or a table stand in for it.
+nothing is named as lacking; a value or a table can stand in for it.
 """
 _OF_SIGNALS = ("block", "values", "in a run")
 _AROUND = {

@@ -258,7 +258,8 @@ def _mechanism(model: Model, contact: Contact) -> MechanismSystem | None:
     if not has_mechanism(model):
         return None
     try:
-        return mechanism_dynamics(model, contact=contact)
+        where = () if model.variables is None else model.variables.workspace.folders.all
+        return mechanism_dynamics(model, contact=contact, where=where)
     except InvalidValueError as error:
         first, *others = str(error).split("\n  ")
         refuse([*dict.fromkeys((*(others or [first]), *missing_for_run(signal_network(model))))])

@@ -29,6 +29,9 @@ from drake_leg.simulink.matlab.data import Struct
 class UncompilableError(Exception):
     """A construct that is left to the interpreter."""
 
+    def __init__(self, reason: str = "") -> None:
+        super().__init__(reason)
+
 
 class FaultError(UncompilableError):
     """A statement that surely fails where it is carried out."""

@@ -26,6 +26,9 @@ _HALF = math.nextafter(0.5, 0.0)
 class DepartureError(Exception):
     """A value is not of the kind that was expected."""
 
+    def __init__(self, reason: str = "") -> None:
+        super().__init__(reason)
+
 
 def lost() -> Any:
     """Read a variable of which nothing is known."""

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from drake_leg.simulink.matlab.checking import means_something
-from drake_leg.simulink.matlab.compiling import compiled
+from drake_leg.simulink.matlab.compiling import compiled, compiled_expression
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.running.code import Call, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
@@ -21,14 +21,12 @@ class Expression:
     """A MATLAB expression of some names, to be called with their values."""
 
     def __init__(self, text: str, names: tuple[str, ...], folders: Folders | None = None) -> None:
-        script = f"function y = f({', '.join(names)})\ny = {text};\n"
         self.text = text
-        self._function = compiled(script, name=text, functions=folders)
+        self._function = compiled_expression(text, names, functions=folders)
 
     def __call__(self, *values: Signal) -> Signal:
         """Evaluate it."""
-        (found,) = self._function.call({}, *values)
-        return settled(found)
+        return settled(self._function(*values))
 
 
 def expression_code(w: Writer, text: str, names: Mapping[str, Operand]) -> str:
@@ -93,7 +91,7 @@ def matlab_function(w: Writer) -> None:
     name = w.constant(function, w.node.block.name)
     inputs = [w.input(place) for place in range(len(function.inputs))]
     arguments = ", ".join(one.code for one in inputs)
-    keeps = re.search(r"^\s*persistent\b", script, re.MULTILINE) is not None
+    keeps = function.keeps
     w.pen.written[name] = Call(
         function="compiled",
         arguments=(script,),
