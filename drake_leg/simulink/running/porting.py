@@ -539,12 +539,25 @@ def _prove(script: Script, ready: Runnable, name: str) -> None:
         if script.data:
             (Path(folder) / data_name(name)).write_text(script.data, encoding="utf-8")
         theirs = _model_of(place)
+    _require_whole(ready.diagram, theirs)
     ours = _outputs(ready.diagram, ready)
     for port, values in _outputs(theirs, ready).items():
         if not np.array_equal(ours[port], values, equal_nan=True):
             raise InvalidValueError(
                 f"the script would differ from the model at the start, in its port {port!r}"
             )
+
+
+def _require_whole(ours: ModelDiagram, theirs: ModelDiagram) -> None:
+    """Refuse a script without the contacts whose shapes lie in files of CAD programs."""
+    if ours.mechanism is None or theirs.mechanism is None:
+        return
+    kept, missing = ours.mechanism.left_out, theirs.mechanism.left_out
+    lost = [kind for kind, names in missing.items() if tuple(names) != tuple(kept.get(kind, ()))]
+    if lost:
+        raise InvalidValueError(
+            f"a script would be without {', '.join(lost)}, whose shapes are in other files"
+        )
 
 
 def _model_of(place: Path) -> ModelDiagram:

@@ -10,6 +10,7 @@ from rigs import Rig
 from signal_models import charted, oscillator
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics.system import mechanism_dynamics
 from drake_leg.simulink.reader import read_model
 from drake_leg.simulink.running.folding import WIDTH, folded
 from drake_leg.simulink.running.porting import INLINE, data_name, ported
@@ -145,3 +146,16 @@ def test_a_folded_line_means_the_same(line):
     assert all(one.startswith("    ") for one in lines)
     whole = "\n".join(["if True:", *lines])
     assert ast.dump(ast.parse(whole).body[0].body[0]) == ast.dump(ast.parse(line).body[0])
+
+
+def test_a_script_that_would_lack_what_acts_is_refused(tmp_path, monkeypatch):
+    left_out = {"Spatial Contact Force": ("Foot",)}
+
+    def lacking(model, **more):
+        system = mechanism_dynamics(model, **more)
+        system._acting.left_out = left_out
+        return system
+
+    monkeypatch.setattr("drake_leg.simulink.running.ported.mechanism_dynamics", lacking)
+    with pytest.raises(InvalidValueError, match="without Spatial Contact Force"):
+        both(pendulum(), tmp_path, 0.1)
