@@ -148,7 +148,11 @@ def test_what_is_missing_is_asked_for_with_the_script_that_sets_it(capsys, lacki
     script = lacking.with_name("numbers.m")
     assert f"perhaps --init {script} which sets b, L; or give each name a value: --set" in flowing
     _, out, _ = inspected(capsys, lacking, "--json")
-    assert json.loads(out)["init"] == {"file": str(script), "names": ["b", "L"]}
+    assert json.loads(out)["init"] == {
+        "file": str(script),
+        "names": ["b", "L"],
+        "others": [],
+    }
 
 
 def test_values_come_from_scripts_and_options(capsys, lacking):
