@@ -90,7 +90,7 @@ def connections_of(model: Model) -> Connections:
     return connections
 
 
-def refuse(problems: Sequence[str]) -> None:
+def refuse(problems: Sequence[str], goal: str = "a mechanism") -> None:
     """Raise all problems in one error, if there are any."""
     if len(problems) == 1:
         raise InvalidValueError(problems[0])
@@ -99,7 +99,7 @@ def refuse(problems: Sequence[str]) -> None:
         if len(problems) > SHOWN:
             shown.append(f"and {len(problems) - SHOWN} more")
         raise InvalidValueError(
-            "\n  ".join((f"{len(problems)} things are missing for a mechanism", *shown))
+            "\n  ".join((f"{len(problems)} things are missing for {goal}", *shown))
         )
 
 

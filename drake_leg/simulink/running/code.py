@@ -68,7 +68,6 @@ class Section:
     rate: int  # index of a sampled rate, or CONTINUOUS or MAJOR
     gates: tuple[str, ...] = ()  # variables, all of which must be true
     after: bool = False  # whether it remembers, after all outputs are computed
-    held: dict[str, int] = field(default_factory=dict)  # variable -> slot of the memory
     makes: frozenset[str] = frozenset()
     reads: frozenset[str] = frozenset()
 
@@ -128,7 +127,6 @@ class Pen:
         self.constants: dict[str, Any] = {}
         self.states: dict[str, State] = {}
         self.slots: list[Any] = []
-        self.slot_names: list[str] = []
         self.recorded: list[Recorded] = []
         self.stops: list[tuple[str, str]] = []  # variable, name of a block
         self.breaks: set[float] = set()
@@ -177,10 +175,9 @@ class Pen:
         self.scope[name] = value
         return name
 
-    def slot(self, start: Any, wish: str) -> int:  # noqa: ANN401
+    def slot(self, start: Any) -> int:  # noqa: ANN401
         """Return a new place in the memory."""
         self.slots.append(start)
-        self.slot_names.append(wish)
         return len(self.slots) - 1
 
     def state(self, key: str, wish: str, start: Signal) -> State:
@@ -331,7 +328,7 @@ class Writer:
         shape = self.pen.shapes.get(f"{self.node.sid}.m{number}")
         if shape is not None and shape != shape_of(start):
             start = np.broadcast_to(np.asarray(start, dtype=float), shape).copy()
-        slot = self.pen.slot(start, wish or self.node.block.name)
+        slot = self.pen.slot(start)
         name = self.pen.name(wish or f"{self.node.block.name}_before")
         self.kept[f"slot {number}"] = slot
         self.write(f"{name} = m[{slot}]")

@@ -11,6 +11,7 @@ import numpy as np
 from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.lacks import Lack
 from drake_leg.simulink.model import split_port
+from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.running.code import (
     CONTINUOUS,
     MAJOR,
@@ -21,16 +22,16 @@ from drake_leg.simulink.running.code import (
     Section,
     UnknownShapeError,
     Writer,
-    literal,
     needed,
 )
 from drake_leg.simulink.running.kinds import Kind, kind_of
 from drake_leg.simulink.running.network import Node, SignalNetwork
 from drake_leg.simulink.running.rates import Rate, Rates
-from drake_leg.simulink.running.settings import Settings, flat, shape_of
+from drake_leg.simulink.running.settings import Settings, shape_of
 
-PASSES = 8
-SHOWN = 20
+PASSES = 9
+SHOWN = 20  # blocks of a loop in an error
+A_RUN = "a run"
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
@@ -90,16 +91,15 @@ def compile_signals(
     """
     nodes = _running(network)
     rates = Rates(nodes, fixed_step)
-    order = _ordered(nodes, network)
+    order = _ordered(nodes)
     shapes: dict[str, tuple[int, ...]] = {}
     for _ in range(PASSES):
         job = _Pass(nodes, order, rates, ports, network, shapes)
-        job.write(strict=False)
+        job.write()
         if not job.pen.wanted:
             break
         shapes |= job.pen.wanted
-    job = _Pass(nodes, order, rates, ports, network, shapes)
-    job.write(strict=True)
+    job.require_whole()
     return job.code()
 
 
@@ -107,7 +107,7 @@ def lacks_for_run(network: SignalNetwork) -> list[Lack]:
     """List the values without which the signals of a model do not run."""
     nodes = {sid: (node, kind) for sid, node in network.nodes.items() if (kind := kind_of(node))}
     job = _Pass(nodes, list(nodes), Rates(nodes, None), Ports(), network, {})
-    job.write(strict=False)
+    job.write()
     return job.lacks
 
 
@@ -117,7 +117,7 @@ def _lack(node: Node, error: UnknownValueError) -> Lack:
 
 def _running(network: SignalNetwork) -> dict[str, tuple[Node, Kind]]:
     """Find the kinds of all blocks; those that do not run are one list."""
-    refuse(_without_kind(network))
+    refuse(_without_kind(network), A_RUN)
     found = ((sid, node, kind_of(node)) for sid, node in network.nodes.items())
     return {sid: (node, kind) for sid, node, kind in found if kind is not None}
 
@@ -142,20 +142,7 @@ def missing_for_run(network: SignalNetwork) -> list[str]:
     return [*_without_kind(network), *(lack.reason for lack in lacks_for_run(network))]
 
 
-def refuse(problems: Sequence[str]) -> None:
-    """Raise all problems in one error, if there are any."""
-    if len(problems) == 1:
-        raise InvalidValueError(problems[0])
-    if problems:
-        shown = [*problems[:SHOWN]]
-        if len(problems) > SHOWN:
-            shown.append(f"and {len(problems) - SHOWN} more")
-        raise InvalidValueError(
-            "\n  ".join((f"{len(problems)} things are missing for a run", *shown))
-        )
-
-
-def _ordered(nodes: Mapping[str, tuple[Node, Kind]], network: SignalNetwork) -> list[str]:
+def _ordered(nodes: Mapping[str, tuple[Node, Kind]]) -> list[str]:
     """Order the blocks so that each comes after those whose outputs it needs at once."""
     before: dict[str, list[str]] = {}
     for sid, (node, kind) in nodes.items():
@@ -206,11 +193,10 @@ class _Pass:
         self._gate_of: dict[str, str] = {}  # SID of a gate block -> its variable
         self._problems: dict[str, None] = {}
         self.lacks: list[Lack] = []
-        self._strict = False
+        self._unknown: list[str] = []  # what reads signals of shapes that are not known
 
-    def write(self, *, strict: bool) -> None:
-        """Write all blocks; if strict, what fails is raised, otherwise left unknown."""
-        self._strict = strict
+    def write(self) -> None:
+        """Write all blocks; what fails is left unknown."""
         self.pen.scope |= {"y": self._ports.y, "e": self._ports.e}
         for sid, error in self._rates.unknown.items():
             self._problems[str(error)] = None
@@ -234,15 +220,16 @@ class _Pass:
                 rate = writer.rate if writer.rate != CONTINUOUS else MAJOR
                 writer.flush_after(rate)
         self._command()
-        if strict:
-            refuse(list(self._problems))
+
+    def require_whole(self) -> None:
+        """Refuse what failed; a shape that is not known is told where nothing else is wrong."""
+        refuse(list(self._problems) or self._unknown[:1], A_RUN)
 
     def _attempted(self, writer: Writer, work: Callable[[Writer], None]) -> bool:
         try:
             work(writer)
         except UnknownShapeError as error:
-            if self._strict and not self._problems:
-                self._problems[f"{writer.about} reads {error}, whose shape is not known"] = None
+            self._unknown.append(f"{writer.about} reads {error}, whose shape is not known")
         except InvalidValueError as error:
             self._problems[str(error)] = None
             if isinstance(error, UnknownValueError):
@@ -383,7 +370,7 @@ class _Pass:
                     start = False
                 elif section.gates and isinstance(start, float | np.ndarray):
                     start = self.pen.initial.get(name, start * 0.0)
-                held[name] = self.pen.slot(start, name)
+                held[name] = self.pen.slot(start)
         return held
 
     def _reads(
@@ -512,6 +499,3 @@ def _is_lasting(name: str, pen: Pen) -> bool:
     from drake_leg.simulink.running.code import NAMESPACE
 
     return name in NAMESPACE or name in pen.constants
-
-
-__all__ = ["Code", "Ports", "compile_signals", "flat", "literal"]

@@ -130,6 +130,3 @@ def next_hit(rate: Rate, time: float) -> bool:
     period, offset = rate
     steps = (time - offset) / period
     return steps > -1e-9 and abs(steps - round(steps)) < 1e-6
-
-
-__all__ = ["CONTINUOUS", "MAJOR", "Rates", "next_hit"]

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from time import monotonic
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,17 +30,17 @@ from drake_leg.progress import interrupts_kept
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
 from drake_leg.simulink.model import Model, number, split_port, vector
+from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.running.compiling import (
+    A_RUN,
     Code,
     Ports,
     compile_signals,
     missing_for_run,
-    refuse,
 )
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
 from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
-from drake_leg.simulink.running.settings import flat, shape_of
 from drake_leg.simulink.running.system import SignalSystem
 
 Array = NDArray[np.float64]
@@ -262,7 +261,8 @@ def _mechanism(model: Model, contact: Contact) -> MechanismSystem | None:
         return mechanism_dynamics(model, contact=contact, where=where)
     except InvalidValueError as error:
         first, *others = str(error).split("\n  ")
-        refuse([*dict.fromkeys((*(others or [first]), *missing_for_run(signal_network(model))))])
+        lacking = missing_for_run(signal_network(model))
+        refuse([*dict.fromkeys((*(others or [first]), *lacking))], A_RUN)
         raise
 
 
@@ -277,7 +277,7 @@ def _require_known(model: Model, network: SignalNetwork, ports: Ports) -> None:
             f"block {block.name!r} (SID {block.sid}) is a {block.kind}, whose output at "
             f"{port.partition('#')[2]} is not computed here"
         ] = None
-    refuse(list(found))
+    refuse(list(found), A_RUN)
 
 
 def _commands(code: Code, ports: Ports) -> Array:
@@ -487,7 +487,3 @@ def _recorded(
         longest_step=settings.max_step_size,
         remarks=ready.remarks,
     )
-
-
-Signal = Any
-__all__ = ["ModelRun", "Runnable", "flat", "run_model", "runnable", "shape_of"]

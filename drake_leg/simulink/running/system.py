@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import reduce
 from typing import Any
 
@@ -195,6 +195,3 @@ def _common(a: float, b: float) -> float:
         if b and abs(a - b) < 1e-9 * a:
             b = 0.0
     return a
-
-
-Function = Callable[..., Any]

@@ -245,10 +245,6 @@ def transport_delay(w: Writer) -> None:
 # --- PID -------------------------------------------------------------------------------------
 
 
-def _pid_direct(node: Node, settings: Settings) -> Iterable[int]:
-    return range(len(node.inputs))
-
-
 def _pid_after(w: Writer) -> None:
     kept = w.kept
     if "integral" in kept:
@@ -266,7 +262,7 @@ def _pid_after(w: Writer) -> None:
         w.remember(kept["error"], number=2)
 
 
-@kind("PID Controller", "Discrete PID Controller", finish=_pid_after, direct=_pid_direct)
+@kind("PID Controller", "Discrete PID Controller", finish=_pid_after)
 def pid(w: Writer) -> None:
     """Control by proportion, integral and filtered derivative, limited where that is asked."""
     s = w.settings

@@ -98,7 +98,12 @@ def relay(w: Writer) -> None:
     w.kept["output"] = w.out(code).code
 
 
-@kind("RateLimiter", finish=_output_after, major=True, sample_time="")
+def _with_time(w: Writer) -> None:
+    _output_after(w)
+    w.remember("t", number=1)
+
+
+@kind("RateLimiter", finish=_with_time, major=True, sample_time="")
 def rate_limiter(w: Writer) -> None:
     """Limit the slope of a signal, from step to step."""
     u = w.numeric()
@@ -113,14 +118,6 @@ def rate_limiter(w: Writer) -> None:
     moved = Operand(code=f"{u.code} - {before.code}", value=u.value)
     low, high = f"{down} * {since}", f"{up} * {since}"
     w.kept["output"] = w.out(f"{before.code} + {limit_code(moved, low, high)}").code
-
-
-def _with_time(w: Writer) -> None:
-    _output_after(w)
-    w.remember("t", number=1)
-
-
-kind("RateLimiter", finish=_with_time, major=True, sample_time="")(rate_limiter)
 
 
 @kind("Backlash", finish=_output_after, major=True)

@@ -38,6 +38,9 @@ def memory(w: Writer) -> None:
 
 
 def _queue_after(w: Writer) -> None:
+    u = w.input(0)
+    if shape_of(u.value) != shape_of(w.kept["start"]) and not isinstance(u.value, dict):
+        w.pen.wanted[f"{w.node.sid}.queue"] = u.shape
     w.remember(f"({w.kept['queue']} + ({w.input(0).code},))[1:]")
 
 
@@ -55,16 +58,6 @@ def delay(w: Writer) -> None:
     w.kept["queue"] = queue.code
     w.out(f"{queue.code}[0]")
     w.kept["start"] = start
-
-
-def _queue_shape(w: Writer) -> None:
-    u = w.input(0)
-    if shape_of(u.value) != shape_of(w.kept["start"]) and not isinstance(u.value, dict):
-        w.pen.wanted[f"{w.node.sid}.queue"] = u.shape
-    _queue_after(w)
-
-
-kind("Delay", finish=_queue_shape, direct=no_inputs, sampled=True)(delay)
 
 
 @kind("ZeroOrderHold", sampled=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -12,9 +12,8 @@ from drake_leg.simulink.matlab.compiling import compiled, compiled_expression
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.running.code import Call, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
-from drake_leg.simulink.running.network import Node
 from drake_leg.simulink.running.operations import settled
-from drake_leg.simulink.running.settings import Settings, Signal
+from drake_leg.simulink.running.settings import Signal
 
 
 class Expression:
@@ -72,11 +71,7 @@ def _after(w: Writer) -> None:
         w.remember(w.kept["kept"])
 
 
-def _is_direct(node: Node, _: Settings) -> Iterable[int]:
-    return range(len(node.inputs))
-
-
-@kind("MATLAB Function", finish=_after, direct=_is_direct)
+@kind("MATLAB Function", finish=_after)
 def matlab_function(w: Writer) -> None:
     """Call the code of a MATLAB Function block."""
     script = w.node.script

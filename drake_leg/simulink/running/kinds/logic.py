@@ -155,13 +155,20 @@ def _one_shape(w: Writer, operands: list[Operand]) -> list[Operand]:
     ]
 
 
-@kind("Merge", major=False)
+def merge_after(w: Writer) -> None:
+    """Remember what was put out."""
+    slot, name = w.kept["merge"]
+    w.kept["slot 0"] = slot
+    w.remember(name)
+
+
+@kind("Merge", finish=merge_after)
 def merge(w: Writer) -> None:
     """Put out what was computed last of several inputs, of systems of which one runs at a time."""
     first = next((w.input(p) for p in range(w.count) if w.node.inputs[p]), w.input(0))
     name = w.pen.name(w.node.block.name)
     start = first.value
-    slot = w.pen.slot(start * 0.0 if isinstance(start, float | np.ndarray) else start, name)
+    slot = w.pen.slot(start * 0.0 if isinstance(start, float | np.ndarray) else start)
     given = w.settings.text("InitialOutput", "[]")
     if given not in ("", "[]"):
         w.pen.slots[slot] = w.settings.array("InitialOutput")
@@ -184,17 +191,11 @@ def merge(w: Writer) -> None:
         w.pen.slots[slot] = start * 0.0
 
 
-def merge_after(w: Writer) -> None:
-    """Remember what was put out."""
-    slot, name = w.kept["merge"]
-    w.kept["slot 0"] = slot
-    w.remember(name)
+def _input_after(w: Writer) -> None:
+    w.remember(w.numeric().code)
 
 
-kind("Merge", finish=merge_after)(merge)
-
-
-@kind("Detect Change", "Detect Increase", "Detect Decrease", sampled=True)
+@kind("Detect Change", "Detect Increase", "Detect Decrease", sampled=True, finish=_input_after)
 def detect(w: Writer) -> None:
     """Tell whether an input differs from what it was the step before."""
     u = w.numeric()
@@ -202,12 +203,3 @@ def detect(w: Writer) -> None:
     sign = {"Detect Change": "!=", "Detect Increase": ">", "Detect Decrease": "<"}
     code = f"{u.code} {sign[w.node.block.kind]} {before.code}"
     w.out(f"float({code})" if u.is_scalar else f"({code}).astype(float)")
-
-
-def _input_after(w: Writer) -> None:
-    w.remember(w.numeric().code)
-
-
-kind("Detect Change", "Detect Increase", "Detect Decrease", sampled=True, finish=_input_after)(
-    detect
-)

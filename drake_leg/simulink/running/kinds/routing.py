@@ -309,7 +309,7 @@ def _slot_of_store(w: Writer, start: object) -> int:
     name = w.settings.text("DataStoreName", "A")
     stores = w.pen.stores
     if name not in stores:
-        stores[name] = w.pen.slot(start, name)
+        stores[name] = w.pen.slot(start)
     elif start is not None:
         w.pen.slots[stores[name]] = start
     return stores[name]
