@@ -155,6 +155,26 @@ def test_what_is_missing_is_asked_for_with_the_script_that_sets_it(capsys, lacki
     }
 
 
+def test_a_value_that_is_neither_known_nor_used_is_null(capsys, tmp_path):
+    model = ModelBuilder()
+    unused = {"RotationMethod": "None", "RotationAngle": "unknown_angle"}
+    model.add_library("sm_lib/Frames and Transforms/Rigid Transform", "Shift", unused)
+    choice = {
+        "inertia": "2",
+        "num_ports": "foundation.enum.numPorts2.one",
+        "inertia_unit": "kg*m^2",
+    }
+    choice["num_ports_unit"] = "1"
+    model.add_library("fl_lib/Mechanical/Rotational Elements/Inertia", "Rotor", choice)
+    status, out, _ = inspected(capsys, model.write(tmp_path / "model.slx"), "--json")
+    assert status == 0
+    found = json.loads(out)
+    shift, rotor = (block["parameters"] for block in found["blocks"])
+    assert shift["RotationAngle"] is None
+    assert rotor["num_ports"] == "foundation.enum.numPorts2.one"
+    assert not found["lacks"]
+
+
 def test_values_come_from_scripts_and_options(capsys, lacking):
     script = lacking.with_name("numbers.m")
     status, out, _ = inspected(capsys, lacking, "--init", script, "--set", "k=2*pi,L=[1,2]")
