@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.mechanisms import mechanism_in_3d, places_of, taken_from
 from drake_leg.cli.model_files import opened, replacements_in
+from drake_leg.cli.model_page import check_page, write_page, write_page_of_lacks
 from drake_leg.cli.run import check_shows, fields_by_name, shows_of
 from drake_leg.cli.terminal import (
     BAD_INPUT,
@@ -55,9 +56,14 @@ def run_model_file(chosen: argparse.Namespace) -> int:
     formats = CHOICES[CHOSEN] if chosen.figures is None else formats_of(chosen.figures)
     folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
     check_shows(chosen)
-    if formats:
+    check_page(chosen)
+    if formats or chosen.page is not None:
         require_matplotlib()
-    model, ready, said = runnable_file(Path(chosen.name), chosen, duration=duration)
+    try:
+        model, ready, said = runnable_file(Path(chosen.name), chosen, duration=duration)
+    except InvalidValueError as error:
+        _page_of_lacks(chosen, error)
+        raise
     _require_mechanism(chosen, ready)
     require_contact(chosen, ready)
     pictures = Pictures()
@@ -75,6 +81,10 @@ def run_model_file(chosen: argparse.Namespace) -> int:
             if formats:
                 _draw(model.name, run, columns, formats, folder, pictures)
             made = _write_shows(chosen, model, ready, run, summary, folder, pictures)
+            if chosen.page is not None:
+                with pictures.trying(f"the page {chosen.page}"):
+                    _write_page(chosen, model, ready, run, columns, summary)
+                    made.append(chosen.page)
     except KeyboardInterrupt:
         return fail(f"interrupted; the data in {folder.path} are whole", INTERRUPTED)
     for path in made:
@@ -83,6 +93,17 @@ def run_model_file(chosen: argparse.Namespace) -> int:
     for sentence in summary["remarks"]:
         remark(sentence)
     return _status(run, ready, folder, pictures)
+
+
+def _page_of_lacks(chosen: argparse.Namespace, error: InvalidValueError) -> None:
+    """Write the page of a model that does not run, if one is wanted."""
+    if chosen.page is None:
+        return
+    pictures = Pictures()
+    with at_work(chosen.name, "the page"), pictures.trying(f"the page {chosen.page}"):
+        if write_page_of_lacks(chosen, error):
+            print(f"wrote {chosen.page}")
+    pictures.print_failures()
 
 
 def refuse_options_of_runs(chosen: argparse.Namespace) -> None:
@@ -268,6 +289,29 @@ def _write_shows(
         if chosen.stills:
             remark_if_sketched()
     return made
+
+
+def _write_page(
+    chosen: argparse.Namespace,
+    model: Model,
+    ready: Runnable,
+    run: ModelRun,
+    columns: Sequence[Column],
+    summary: Mapping[str, Any],
+) -> None:
+    from drake_leg.pictures.plots.scope_plots import figure_of
+    from drake_leg.pictures.plots.style import svg_text
+    from drake_leg.simulink.running.columns import figures_of
+
+    plots = [
+        (sink.title, svg_text(figure_of(model.name, run.time, sink), background="auto"))
+        for sink in figures_of(columns)
+    ]
+    if ready.diagram.mechanism is None:
+        write_page(chosen, model, summary, plots, None)
+        return
+    with _motion(chosen, model, ready, run) as moved:
+        write_page(chosen, model, summary, plots, moved)
 
 
 @contextmanager

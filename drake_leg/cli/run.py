@@ -18,6 +18,7 @@ from drake_leg.cli.model_files import (
     refuse_model_options,
     refuse_model_run_options,
 )
+from drake_leg.cli.model_page import add_page_option
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -31,6 +32,7 @@ from drake_leg.cli.terminal import (
     numbers,
     option_of,
     place_given_by,
+    refuse_ignored,
     remark,
     remark_if_sketched,
     stop_note,
@@ -75,6 +77,7 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
         help=f"format of the figures: {', '.join(CHOICES)} (default {CHOSEN})",
     )
     add_shows(parser)
+    add_page_option(parser)
     add_model_options(parser)
     add_model_run_options(parser)
     add_run_options(parser)
@@ -88,6 +91,9 @@ def _run(chosen: argparse.Namespace) -> int:
         return run_model_file(chosen)
     refuse_model_options(chosen)
     refuse_model_run_options(chosen)
+    refuse_ignored(
+        {"--page": chosen.page is not None}, "is for Simulink models and means nothing here"
+    )
     kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
     options, formats = _options_and_formats(kind, chosen)
     folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)

@@ -7,6 +7,7 @@ import re
 import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from drake_leg.errors import UnknownValueError
@@ -128,11 +129,19 @@ def _solver(model: Model) -> list[str]:
     return _wrapped("solver  ", shown, 8)
 
 
-def _lacking(model: Model) -> list[str]:
-    """Return what is not understood: kinds of blocks, names without a value, other values."""
+@dataclass(frozen=True, kw_only=True)
+class NotUnderstood:
+    """What is not understood of a model, grouped as a person would mend it."""
+
+    count: int
+    kinds: Mapping[str, Sequence[str]]  # of blocks, to the blocks
+    names: Mapping[str, Sequence[str]]  # without a value, to what uses them
+    others: Sequence[str]  # sentences
+
+
+def not_understood(model: Model) -> NotUnderstood:
+    """Group what is not understood of a model."""
     lacks, paths = lacks_of(model), block_paths(model)
-    if not lacks:
-        return ["everything is understood"]
     kinds: dict[str, list[str]] = {}
     names: dict[str, list[str]] = {}
     others: list[str] = []
@@ -145,19 +154,31 @@ def _lacking(model: Model) -> list[str]:
                 names.setdefault(name, []).append(f"{at} {lack.parameter}")
         else:
             others.append(lack.reason)
-    lines = [f"not understood: {len(lacks)}"]
-    for title, found in (("kinds of blocks", kinds), ("names without a value", names)):
+    return NotUnderstood(count=len(lacks), kinds=kinds, names=names, others=others)
+
+
+def _lacking(model: Model) -> list[str]:
+    """Return what is not understood: kinds of blocks, names without a value, other values."""
+    lacking = not_understood(model)
+    if not lacking.count:
+        return ["everything is understood"]
+    lines = [f"not understood: {lacking.count}"]
+    for title, found in (
+        ("kinds of blocks", lacking.kinds),
+        ("names without a value", lacking.names),
+    ):
         if found:
-            rows = [(f"  {printable(name)}", _some(places)) for name, places in found.items()]
+            rows = [(f"  {printable(name)}", some_of(places)) for name, places in found.items()]
             lines += ["", f"{title} ({len(found)})", *_table(("  name", "used by"), rows)[1:]]
-    if others:
-        lines += ["", f"other values ({len(others)})"]
-        for reason in others:
+    if lacking.others:
+        lines += ["", f"other values ({len(lacking.others)})"]
+        for reason in lacking.others:
             lines += _wrapped("  ", printable(reason), 4)
     return lines
 
 
-def _some(places: Sequence[str]) -> str:
+def some_of(places: Sequence[str]) -> str:
+    """Name the first of some places, and count the others."""
     shown = ", ".join(places[:_PLACES])
     return shown if len(places) <= _PLACES else f"{shown} and {len(places) - _PLACES} more"
 

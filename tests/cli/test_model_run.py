@@ -1,6 +1,7 @@
 """``drake-leg run`` of Simulink models."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -225,3 +226,62 @@ def test_showing_a_model_without_a_mechanism_is_refused(run):
         status, printed, recording, _ = run(oscillator(), option)
         assert (status, recording) == (2, None)
         assert "this model has none" in printed.err
+
+
+# --- its page ---------------------------------------------------------------------------------
+
+
+def page_of(here):
+    text = (here / "m.html").read_text(encoding="utf-8")
+    links = re.findall(r"""(?:src|href)=["']([^"']{0,20})""", text)
+    assert links
+    assert all(link.startswith(("data:image/", "#")) for link in links)  # it needs no other file
+    return text
+
+
+def test_a_page_shows_the_model_its_mechanism_and_its_plots(run, here):
+    built = pendulum(PositionTargetSpecify="on", PositionTargetValue="turn")
+    built.solver["StopTime"] = "0.1"
+    built.callbacks["PreLoadFcn"] = "turn = 30;"
+    status, printed, _, _ = run(built, "--page", "m.html")
+    assert status == 0
+    assert "wrote m.html" in printed.out
+    page = page_of(here)
+    assert "It ran to its end at 0.1 s" in page
+    assert "1 body, 1 joint" in page
+    assert page.count("data:image/webp") == 2  # for light and dark
+    assert page.count("data:image/svg+xml") == 2  # the mechanism, and the joint's angle
+    assert "<td>turn</td><td>30</td><td>PreLoadFcn" in page
+    assert "drake-leg run m.slx --out out --page m.html" in page
+
+
+def test_a_page_of_a_model_that_does_not_run_says_what_is_missing(run, here):
+    built = charted().set("Total", InitialCondition="where_it_starts")
+    status, printed, recording, _ = run(built, "--page", "m.html")
+    assert (status, recording, printed.out) == (2, None, "wrote m.html\n")
+    page = page_of(here)
+    assert "It does not run" in page
+    assert "Chart" in page
+    assert "<td>where_it_starts</td>" in page
+    assert "data:image/svg+xml" in page
+
+
+def test_a_page_says_what_was_replaced(run, here):
+    assert run(charted(), "--replace", "Chart=constant 3", "--page", "m.html")[0] == 0
+    assert "replaced: Chart puts out constant 3" in page_of(here)
+
+
+def test_names_of_blocks_are_text_on_a_page(run, here):
+    built = oscillator()
+    built.add_block("Constant", "<script>alert(1)</script>", {"Value": "1"})
+    assert run(built, "--page", "m.html")[0] == 0
+    assert "<script" not in page_of(here)
+
+
+@pytest.mark.parametrize("page", ["m.txt", "m.html"])
+def test_a_page_that_cannot_be_written_is_refused_before_the_run(run, here, page):
+    (here / "m.html").write_text("mine", encoding="utf-8")
+    status, printed, recording, _ = run(oscillator(), "--page", page)
+    assert (status, recording, printed.out) == (2, None, "")
+    assert "--page" in printed.err
+    assert (here / "m.html").read_text(encoding="utf-8") == "mine"

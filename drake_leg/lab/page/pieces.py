@@ -4,38 +4,28 @@ from __future__ import annotations
 
 import base64
 import gzip
-import io
 import json
 import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 from importlib.resources import files
 from typing import Any
-from urllib.parse import quote
-from xml.etree import ElementTree
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, Template
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
-from PIL import Image
 
 from drake_leg.errors import DrakeLegError
 from drake_leg.lab.errata.catalogue import Erratum, erratum_of, texts_by_number
-
-SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
-PNG = "data:image/png;base64,"
-PLACES = ("points", "x", "y", "x1", "y1", "x2", "y2")
-SHIFT = re.compile(r"translate\([^)]*\)")
-COORDINATE = re.compile(r"(?<![\w.])[1-9]\d*\.\d{3,}(?!\w)")
-EXACT = {"lossless": True, "quality": 75, "method": 4}  # half as large as a PNG
-STILL = {"quality": 90, "method": 4, "use_sharp_yuv": True}  # of a view with shades
-PLAIN = ' !$"()*+,-./:;<=>?@[]_~'  # needs no escape in an address between single quotes
+from drake_leg.pictures.embedding import embedded_png, embedded_svg
 
 
 @cache
 def template(name: str) -> Template:
     """Load a template; values are escaped unless they are ``Markup``."""
     environment = Environment(
-        loader=PackageLoader(__package__, "templates"),
+        loader=ChoiceLoader(
+            [PackageLoader(__package__, "templates"), PackageLoader("drake_leg.pictures", "page")]
+        ),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -81,61 +71,12 @@ def picture(
     A ``picture`` element does not work here: browsers do not choose its source again for printing.
     ``dark`` is a PNG for dark screens, ``narrow`` an SVG for phones and paper.
     """
-    sources = {"any": _svg(data) if isinstance(data, str) else _webp(data, STILL)}
+    sources = {"any": embedded_svg(data) if isinstance(data, str) else embedded_png(data)}
     if dark is not None:
-        sources = {"light": sources["any"], "dark": _webp(dark, STILL)}
+        sources = {"light": sources["any"], "dark": embedded_png(dark)}
     elif narrow is not None:
-        sources = {"broad": sources["any"], "narrow": _svg(narrow)}
+        sources = {"broad": sources["any"], "narrow": embedded_svg(narrow)}
     return piece("images", {kind: Markup(source) for kind, source in sources.items()}, description)
-
-
-def _webp(png: bytes, settings: Mapping[str, Any]) -> str:
-    """Embed a PNG as WebP."""
-    file = io.BytesIO()
-    Image.open(io.BytesIO(png)).save(file, "WEBP", **settings)
-    return f"data:image/webp;base64,{base64.b64encode(file.getvalue()).decode('ascii')}"
-
-
-def _svg(text: str) -> str:
-    """Embed an SVG percent-encoded, which is shorter than base64, without invisible parts."""
-    return f"data:image/svg+xml,{quote(_lighter(text), safe=PLAIN)}"
-
-
-def _lighter(svg: str) -> str:
-    """Remove comments, metadata and line breaks, and round coordinates to 0.01 px."""
-    ElementTree.register_namespace("", SVG)
-    ElementTree.register_namespace("xlink", XLINK)
-    root = ElementTree.fromstring(svg)
-    for metadata in root.findall(f"{{{SVG}}}metadata"):
-        root.remove(metadata)
-    for element in root.iter():
-        element.text, element.tail = _joined(element.text), _joined(element.tail)
-        for name, value in element.attrib.items():
-            element.set(name, _shorter(name.removeprefix(f"{{{XLINK}}}"), value))
-    return ElementTree.tostring(root, encoding="unicode")
-
-
-def _joined(text: str | None) -> str | None:
-    """Join the lines of a text; remove line breaks between elements."""
-    if text is None or "\n" not in text:
-        return text
-    return " ".join(line.strip() for line in text.split("\n")) if text.strip() else None
-
-
-def _shorter(name: str, value: str) -> str:
-    if name in PLACES:
-        return _rounded(value)
-    if name == "transform":
-        return SHIFT.sub(lambda found: _rounded(found[0]), value)
-    if name == "d":
-        return re.sub(r"\s*([MLQCz])\s*", r"\1", _rounded(value))
-    if name == "href" and value.startswith(PNG):
-        return _webp(base64.b64decode(value.removeprefix(PNG)), EXACT)
-    return value
-
-
-def _rounded(numbers: str) -> str:
-    return COORDINATE.sub(lambda found: f"{float(found[0]):.2f}", numbers)
 
 
 MATRIX = re.compile(r"\[([^][]*;[^][]*)\]")  # entries between commas, rows between semicolons

@@ -41,7 +41,7 @@ def summary_of(
         "wall_time_s": run.seconds,
         "real_time_factor": run.ended / run.seconds if run.seconds else 0.0,
         "solver": {
-            "of_the_file": _solver_of(model),
+            "of_the_file": solver_of(model),
             "here": {
                 "integrator": run.integrator,
                 "accuracy": run.accuracy,
@@ -59,17 +59,18 @@ def summary_of(
             }
             for label in (column.label for column in columns)
         ],
-        "skipped": _skipped(model),
+        "skipped": skipped_in(model),
         "remarks": [*remarks],
     }
 
 
-def _skipped(model: Model) -> list[str]:
+def skipped_in(model: Model) -> list[str]:
     """List what scripts and callbacks do that is not done here."""
     return [str(one) for one in model.variables.workspace.skipped] if model.variables else []
 
 
-def _solver_of(model: Model) -> dict[str, Any]:
+def solver_of(model: Model) -> dict[str, Any]:
+    """Return the solver's settings in the file, as JSON can hold them."""
     found = {}
     for name in SETTINGS:
         try:
@@ -113,7 +114,7 @@ def _understood(model: Model, ready: Runnable) -> dict[str, Any]:
 
 def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
     """Say what of a model was skipped or left out, and what runs otherwise than in Simulink."""
-    skipped = _skipped(model)
+    skipped = skipped_in(model)
     if skipped:
         more = f"; and {len(skipped) - SHOWN} more" if len(skipped) > SHOWN else ""
         yield f"skipped in scripts and callbacks: {'; '.join(skipped[:SHOWN])}{more}"
