@@ -6,7 +6,9 @@ import argparse
 import json
 import math
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import (
@@ -18,6 +20,8 @@ from drake_leg.cli.inputs import (
     searched_start,
     walks,
 )
+from drake_leg.cli.mechanisms import about, read_mechanism
+from drake_leg.cli.model_files import add_model_options, is_model, refuse_model_options
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -31,6 +35,7 @@ from drake_leg.cli.terminal import (
 from drake_leg.cli.walk_doctor import add_walk, examine_walk, refuse_walk
 from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.files import ResultsFolder
+from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot
 
 if TYPE_CHECKING:
@@ -48,7 +53,9 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
         "amplitude that stays inside. With --foot: the joint positions that put the foot there. "
         "Of a robot with closed loops: its freedoms, its assemblies, the passive joints' rates, "
         "and the singular assemblies. Of a robot with legs, such as hexapod or phantomx, unless "
-        "--tip is given: what a walk will meet, and the greatest speed, lift and height that work."
+        "--tip is given: what a walk will meet, and the greatest speed, lift and height that work. "
+        "Of a Simulink model: an open chain of its mechanism, from the world to a tip; without --q "
+        "in its state targets."
     )
     parser.epilog = (
         "Exit status: 0 all well, 1 no posture within the joints' limits puts the foot there, the "
@@ -76,6 +83,7 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
         help="with --foot: the yaw of a SCARA's tool [deg] (default: that of --q)",
     )
     add_walk(parser)
+    add_model_options(parser)
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
         "--out",
@@ -91,24 +99,61 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
 
 
 def _doctor(chosen: argparse.Namespace) -> int:
-    from drake_leg.kinematics.chain import geometry_of
-    from drake_leg.kinematics.scara import ScaraGeometry
-    from drake_leg.singularity.doctor import examine_posture
-
     if chosen.overwrite and not chosen.out:
         raise InvalidValueError("--overwrite goes with --out: name the folder, too")
+    if is_model(chosen.robot):
+        return _model(chosen)
+    refuse_model_options(chosen)
     whole = robot_source(WALKERS.get(chosen.robot, chosen.robot), chosen.numbers).robot()
     if chosen.tip is None and walks(whole):
         return examine_walk(chosen, whole)
     refuse_walk(chosen, whole)
     if whole.loops:
         return _closed_loops(chosen, whole)
-    robot, place = whole.at_tip(chosen.tip), _place(chosen)
-    if chosen.q is None:
-        return _foot_alone(chosen, robot, place)
-    values = numbers("--q", chosen.q)
+    robot = whole.at_tip(chosen.tip)
+    q = None if chosen.q is None else _typed(robot, numbers("--q", chosen.q))
+    return _foot_alone(chosen, robot) if q is None else _posture(chosen, robot, q)
+
+
+def _typed(robot: Robot, values: list[float]) -> list[float]:
+    """Read joint positions; of a SCARA, the lift may be left out."""
+    from drake_leg.kinematics.chain import geometry_of
+    from drake_leg.kinematics.scara import ScaraGeometry
+
     lift_left_out = len(values) == 3 and isinstance(geometry_of(robot), ScaraGeometry)
-    q = joint_positions(robot, values, moving=robot.moving[:3] if lift_left_out else ())
+    return joint_positions(robot, values, moving=robot.moving[:3] if lift_left_out else ())
+
+
+def _model(chosen: argparse.Namespace) -> int:
+    """Examine an open chain of a Simulink model's mechanism."""
+    from drake_leg.simulink.multibody.chain import chain_of
+
+    mechanism = read_mechanism(Path(chosen.robot), chosen)
+    with about(Path(chosen.robot)):
+        chain = chain_of(mechanism, chosen.tip)
+    refuse_walk(chosen, chain.robot)
+    told = {
+        "chain": f"{', '.join(chain.joints)} to {chain.tip}",
+        "tip": f"{chain.foot}; its pose is in the world frame",
+    }
+    if chosen.q is None:
+        q = list(starting_posture(chain.robot))
+    else:
+        q = joint_positions(chain.robot, numbers("--q", chosen.q))
+    return _posture(chosen, chain.robot, q, told)
+
+
+def _posture(
+    chosen: argparse.Namespace,
+    robot: Robot,
+    q: list[float],
+    told: Mapping[str, str] = MappingProxyType({}),
+) -> int:
+    """Examine a posture of an open chain; say first what is ``told`` about the chain."""
+    from drake_leg.simulink.listing import printable
+    from drake_leg.singularity.doctor import examine_posture
+
+    place = _place(chosen)
     folder, maps = _maps(chosen, robot, q) if chosen.out else (None, {})
     motion: dict[str, Any] = {}
     if chosen.direction is not None:
@@ -119,9 +164,10 @@ def _doctor(chosen: argparse.Namespace) -> int:
     with at_work(f"doctor of {chosen.robot}", "the posture"):
         diagnosis = examine_posture(robot, q, **motion, **place)
     if chosen.json:
-        print(json.dumps(diagnosis.as_json(), indent=2, allow_nan=False))
+        print(json.dumps({**told, **diagnosis.as_json()}, indent=2, allow_nan=False))
     else:
-        print("\n".join(_lines(diagnosis)))
+        lines = [f"{name:<15} {words}" for name, words in told.items()]
+        print("\n".join([*map(printable, lines), *_lines(diagnosis)]))
     reached = FAILED if diagnosis.feet and not _reaches(diagnosis.feet) else 0
     if folder is None:
         return reached
@@ -180,8 +226,9 @@ def _place(chosen: argparse.Namespace) -> dict[str, Any]:
     return {"foot": numbers("--foot", chosen.foot, 3), **turned}
 
 
-def _foot_alone(chosen: argparse.Namespace, robot: Robot, place: dict[str, Any]) -> int:
+def _foot_alone(chosen: argparse.Namespace, robot: Robot) -> int:
     """Print the inverse kinematics, without a posture."""
+    place = _place(chosen)
     for option in ("direction", "frequency", "out"):
         if getattr(chosen, option) is not None:
             raise InvalidValueError(f"--{option} needs a posture: give --q, too")

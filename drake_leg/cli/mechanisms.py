@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from drake_leg.cli.model_files import as_many, opened
 from drake_leg.cli.terminal import fail, refuse_ignored, remark
+from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder, check_file, write_text
 
 if TYPE_CHECKING:
@@ -97,12 +98,25 @@ def _some(names: Sequence[str]) -> str:
     return shown if len(names) <= SHOWN else f"{shown} and {len(names) - SHOWN} more"
 
 
+@contextmanager
+def about(path: Path) -> Iterator[None]:
+    """Name the file in what is wrong about it."""
+    try:
+        yield
+    except InvalidValueError as error:
+        advice = getattr(error, "advice", "")
+        said = str(error)
+        if said.startswith(f"{path}"):
+            raise
+        said = said.removesuffix(advice).rstrip(" :") if advice else said
+        raise InvalidValueError(f"{path}: {said}", advice=advice) from None
+
+
 def read_mechanism(path: Path, chosen: argparse.Namespace) -> Mechanism:
     """Open a model with its options, and read its mechanism.
 
     Where values are missing and no script was named, those are taken that a person would run.
     """
-    from drake_leg.errors import InvalidValueError
     from drake_leg.simulink.multibody.bodies import mechanism_of
     from drake_leg.simulink.suggestions import with_scripts
 

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.mechanisms import mechanism_in_3d, places_of, taken_from
+from drake_leg.cli.mechanisms import about, mechanism_in_3d, places_of, taken_from
 from drake_leg.cli.model_files import opened, replacements_in
 from drake_leg.cli.model_page import check_page, write_page, write_page_of_lacks
 from drake_leg.cli.run import check_shows, fields_by_name, shows_of
@@ -161,20 +161,6 @@ def _lacks(model: Model) -> list[Lack]:
     from drake_leg.simulink.running.network import signal_network
 
     return [*lacks_of(model), *lacks_for_run(signal_network(model))]
-
-
-@contextmanager
-def about(path: Path) -> Iterator[None]:
-    """Name the file in what is wrong about it."""
-    try:
-        yield
-    except InvalidValueError as error:
-        advice = getattr(error, "advice", "")
-        said = str(error)
-        if said.startswith(f"{path}"):
-            raise
-        said = said.removesuffix(advice).rstrip(" :") if advice else said
-        raise InvalidValueError(f"{path}: {said}", advice=advice) from None
 
 
 def _require_mechanism(chosen: argparse.Namespace, ready: Runnable) -> None:

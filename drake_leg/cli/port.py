@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from drake_leg.cli.inputs import add_numbers
+from drake_leg.cli.mechanisms import about
 from drake_leg.cli.model_files import add_model_options, add_model_run_options, is_model
 from drake_leg.cli.terminal import remark
 from drake_leg.errors import InvalidValueError
@@ -37,7 +38,7 @@ def configure_port(parser: argparse.ArgumentParser) -> None:
 
 
 def _port(chosen: argparse.Namespace) -> int:
-    from drake_leg.cli.model_run import about, positive, require_contact, runnable_file
+    from drake_leg.cli.model_run import positive, require_contact, runnable_file
 
     path, out = Path(chosen.name), chosen.out
     if not is_model(path):

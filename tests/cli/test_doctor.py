@@ -1,12 +1,14 @@
 """The maps that the doctor leaves; what it says is tested in tests/test_cli.py."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 from drake_leg.cli import main
 from drake_leg.files import LIST
 
+MODEL = str(Path(__file__).parents[2] / "notebooks" / "leg.slx")
 LEG = ["doctor", "leg-b", "--q", "90,-50,-90"]
 MAPS = ("determinant", "sigma_min", "singular_feet", "singular_postures")
 
@@ -57,3 +59,38 @@ def test_what_cannot_be_drawn_is_said_before_anything_is_printed(
     assert printed.out == ""
     assert said in printed.err
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+# --- Simulink models --------------------------------------------------------------------------
+
+
+def test_a_simulink_models_leg_is_examined_as_the_leg_is(capsys):
+    words = ["--q", "90,-50,-90", "--direction", "1,0,0", "--frequency", "1"]
+    assert main(["doctor", "leg-b", *words]) == 0
+    leg = capsys.readouterr().out
+    assert main(["doctor", MODEL, *words]) == 0
+    chain, tip, *lines = capsys.readouterr().out.splitlines()
+    assert chain.startswith("chain           Revolute_Joint, Revolute_Joint1, Revolute_Joint2 to ")
+    assert tip.startswith("tip             the follower of 'Rigid Transform5'")
+    assert lines == leg.splitlines()
+
+
+def test_a_simulink_model_is_examined_at_its_state_targets(capsys):
+    assert main(["doctor", MODEL, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["tip"].startswith("the follower of 'Rigid Transform5'")
+    assert found["rank"] == 2
+    assert found["foot_m"] == pytest.approx([0.25, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--tip", "foot"], "there is no tip 'foot': the tips are Spherical_Solid"),
+        (["--q", "1,2"], "--q has 2 numbers; leg has 3 joint positions"),
+        (["--speed", "0.1"], "means nothing for leg, which does not walk"),
+    ],
+)
+def test_what_makes_no_sense_to_a_simulink_model_is_refused(words, said, capsys):
+    assert main(["doctor", MODEL, *words]) == 2
+    assert said in capsys.readouterr().err

@@ -98,7 +98,7 @@ MEANINGLESS = [
     ),
     *(
         (command, f"leg-b {option}", "is for Simulink models and means nothing here")
-        for command in ("sdf", "view")
+        for command in ("sdf", "view", "doctor")
         for option in ("--path .", "--init a.m", "--variant A=B")
     ),
     ("replay", "somewhere --set D3=1 --out a.html", "means nothing without --robot"),
