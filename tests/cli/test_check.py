@@ -155,6 +155,7 @@ def test_what_is_not_understood_is_no_fault_and_ends_in_status_2(tmp_path, capsy
     assert checked(capsys, "leg-b", "--printed", str(path))[0] == 1
 
 
+@pytest.mark.slow
 def test_a_graded_print_as_json(capsys):
     _, out = checked(capsys, "leg-b", "--printed", LEG_PRINT, "--json")
     content = json.loads(out)

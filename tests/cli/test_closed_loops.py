@@ -14,6 +14,7 @@ from drake_leg.robot.linkages import FIVE_BAR, FOUR_BAR, SLIDER_CRANK
 from drake_leg.robot.toml.writer import robot_toml
 
 
+@pytest.mark.slow
 def test_the_doctor_says_assemblies_and_dead_centers(capsys):
     assert main(["doctor", "four-bar", "--q", "60"]) == 0
     said = capsys.readouterr().out
@@ -22,6 +23,7 @@ def test_the_doctor_says_assemblies_and_dead_centers(capsys):
     assert "dead center of rocker, moving crank: crank 34.7719 deg, coupler 0 deg" in said
 
 
+@pytest.mark.slow
 def test_the_doctor_takes_all_joints_or_the_active_ones(capsys):
     assert main(["doctor", "slider-crank", "--q", "60,-80,0.28", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
@@ -36,6 +38,7 @@ def test_options_of_one_foot_are_refused(capsys):
     assert "--foot means nothing for a robot with closed loops" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_linkage_of_ones_own_is_checked_and_written(tmp_path, capsys):
     file = tmp_path / "linkage.toml"
     file.write_text(robot_toml(FOUR_BAR), encoding="utf-8")

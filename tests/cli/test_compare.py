@@ -16,6 +16,7 @@ def slx(tmp_path):
     return write
 
 
+@pytest.mark.slow
 def test_the_published_leg_is_leg_b(slx, capsys):
     assert main(["compare", slx(published_leg()), "leg-b"]) == 0
     said = capsys.readouterr().out
@@ -32,6 +33,7 @@ def test_a_difference_is_one_line_with_both_values_and_exit_1(slx, capsys):
     assert lines[-1] == "0 missing, 1 different: the diagram differs from the model."
 
 
+@pytest.mark.slow
 def test_another_unit_is_one_line(slx, capsys):
     model = published_leg()
     for block in model.blocks.values():
@@ -51,6 +53,7 @@ def test_unreadable_function_is_one_line(slx, capsys):
     assert "): could not be read: MATLAB function jacob_inv, line 11: 'schur' is no" in text
 
 
+@pytest.mark.slow
 def test_options_of_the_run(slx):
     model = slx(published_leg(amplitude="50", initial=("pi/2", "-pi/4", "-pi/2")))
     assert main(["compare", model, "leg-b"]) == 1
@@ -120,6 +123,7 @@ def test_set_gives_values_to_both_models(two, capsys):
     assert "Density is 1000 kg/m^3, in B.slx 2000 kg/m^3" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_values_come_from_the_script_that_a_person_would_run(two, tmp_path, capsys):
     models = two(*(published_leg().set("Brick Solid1", Density=rho) for rho in ("rho", "2*rho")))
     (tmp_path / "setup.m").write_text("rho = 500;\n", encoding="utf-8")

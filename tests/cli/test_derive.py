@@ -22,6 +22,7 @@ def lines_of(capsys, *words):
 LEG = "l₂⋅l₃⋅s₃⋅(c₂⋅l₂ + c₂₃⋅l₃ + l₁)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "first", "last", "determinant"),
     [
@@ -62,6 +63,7 @@ def test_latex_is_one_equation_a_line_under_a_comment(capsys):
 DESK = str(Path(__file__).parents[1] / "lab" / "grader" / "robots" / "desk_arm.toml")
 
 
+@pytest.mark.slow
 def test_a_robot_of_ones_own_is_derived_from_its_table(capsys):
     lines = lines_of(capsys, DESK)
     assert lines[0].endswith("h1 = 0.12 m, l1 = 0.03 m, h2 = 0.05 m, l2 = 0.2 m, h3 = 0.02 m")

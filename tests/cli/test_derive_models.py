@@ -37,6 +37,7 @@ def test_every_model_is_printed_with_its_counts(capsys, model):
     assert "with every name written out: " in out
 
 
+@pytest.mark.slow
 def test_base_parameters_are_in_the_letters_of_the_file(capsys):
     out = derived(capsys, RX90, "--model", "base-parameters").splitlines()
     assert "XXR3 = M4*RL4**2 + M5*RL4**2 + M6*RL4**2 + 2*MZ4*RL4 + XX3 - YY3 + YY4" in out
@@ -82,6 +83,7 @@ def test_code_is_printed_alone(capsys):
     assert names["gravity"]([0.0, 0.0, 0.0]).shape == (3,)
 
 
+@pytest.mark.slow
 def test_latex_is_one_equation_a_line(capsys):
     lines = derived(capsys, "leg-b", "--model", "determinant", "--latex").splitlines()
     assert lines[0] == "% Hexabot leg B, determinant derived from its table"

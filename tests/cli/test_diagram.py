@@ -55,6 +55,7 @@ def test_closed_loops_are_drawn_as_the_tree_that_is_cut(tmp_path, part):
     assert ("the tree, cut at pin" in title_of(path)) == ("rocker_bar" not in part)
 
 
+@pytest.mark.slow
 def test_frames_are_drawn(tmp_path):
     path = tmp_path / "frames.svg"
     assert draw(path, "pendulum-spring", "--part", "frames") == 0

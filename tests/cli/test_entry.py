@@ -144,6 +144,7 @@ def test_a_slip_is_answered_with_what_to_type(capsys, words, said):
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_walk_that_the_robot_cannot_make_ends_with_status_3(capsys, monkeypatch):
     def walking(_chosen):
         walk = walk_of(HEXABOT, commands=[Command(forward=0.6, start=1.0)])

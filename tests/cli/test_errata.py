@@ -7,6 +7,7 @@ from drake_leg.cli import main
 from drake_leg.lab.errata.catalogue import errata
 
 
+@pytest.mark.slow
 def test_the_list_says_everything(capsys):
     assert main(["errata"]) == 0
     text = " ".join(capsys.readouterr().out.split())

@@ -218,6 +218,7 @@ def test_a_summary_counts_the_kinds_of_blocks(capsys, leg):
     assert "everything is understood" in flowing
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["ascii", "utf-8"])
 def test_names_in_any_script_on_any_terminal(tmp_path, encoding):
     builder = ModelBuilder()
@@ -234,6 +235,7 @@ def test_names_in_any_script_on_any_terminal(tmp_path, encoding):
     assert done.stderr == b""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [[], ["--blocks"], ["--json"]])
 def test_a_closed_pipe_is_no_traceback(leg, words):
     command = [sys.executable, "-m", "drake_leg", "inspect", str(leg), *words]

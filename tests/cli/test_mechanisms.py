@@ -72,6 +72,7 @@ def test_values_come_from_the_script_that_a_person_would_run(here, capsys):
     assert (status, "1.2 kg" in out, err) == (0, True, "")
 
 
+@pytest.mark.slow
 def test_a_mechanism_stands_at_its_targets(here, capsys):
     pendulum(PositionTargetSpecify="on", PositionTargetValue="30").write(here / "m.slx")
     assert run(capsys, "view", "m.slx", "--still", "m.png") == (0, "wrote m.png\n", "")

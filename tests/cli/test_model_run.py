@@ -56,6 +56,7 @@ def test_a_model_is_recorded_under_the_names_of_its_signals(run):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_each_sink_has_a_figure_as_its_scope(run, here):
     assert run(oscillator(), figures="svg")[0] == 0
     names = {path.name for path in (here / "out").iterdir() if path.name[0] != "."}
@@ -124,6 +125,7 @@ def test_ctrl_c_saves_what_was_recorded(run, monkeypatch):
     assert recording["time"][-1] == pytest.approx(0.5, abs=0.01)
 
 
+@pytest.mark.slow
 def test_values_come_from_the_script_that_a_person_would_run(run, here):
     built = oscillator().set("Minus", Gain="-w^2")
     status, printed, _, _ = run(built)
@@ -191,6 +193,7 @@ def test_replacements_that_make_no_sense_are_refused(run, here, given, said):
     assert said in printed.err
 
 
+@pytest.mark.slow
 def test_a_mechanism_is_replayed_as_it_moved(run, here):
     built = pendulum(PositionTargetSpecify="on", PositionTargetValue="30")
     built.solver["StopTime"] = "0.3"
@@ -204,6 +207,7 @@ def test_a_mechanism_is_replayed_as_it_moved(run, here):
     assert recording["Pivot.q"][0] == pytest.approx(np.pi / 6)
 
 
+@pytest.mark.slow
 def test_a_loop_is_shown_by_its_tree(here):
     built = four_bar(PositionTargetSpecify="on", PositionTargetValue="60")
     model = built.model(here)

@@ -106,6 +106,7 @@ def test_a_run_of_a_file_is_replayed_with_its_file(name, drawn, tmp_path, monkey
     assert main(["replay", "out", "--out", "out.html", "--robot", f"{name}.toml"]) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [*NAMES[:2], *(pytest.param(name, marks=pytest.mark.slow) for name in NAMES[2:])]
 )

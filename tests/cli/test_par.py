@@ -79,6 +79,7 @@ def test_a_file_is_proved_and_what_is_doubtful_is_said(capsys):
     assert "links 1 to 6 have no numbers: there the robot has no mass" in err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", [TREE, LOOP], ids=["tree", "loop"])
 def test_trees_and_loops_are_proved(path, capsys):
     lengths = ["--set", "D2=0.2,D3=0.5,D4=-0.1,D8=0.3,RL4=0.6"] if path == LOOP else []
@@ -128,6 +129,7 @@ def test_a_file_is_written_in_one_format(capsys):
     assert ".par" in refused(capsys, "sdf", "leg-b", "--par", "--out", "leg.toml")
 
 
+@pytest.mark.slow
 def test_a_file_is_run_replayed_and_drawn(leg, capsys):
     assert main(["run", leg, "--q0", "90,-50,-90", "--out", "r", *STEP]) == 0
     summary = json.loads(Path("r/summary.json").read_text(encoding="utf-8"))
@@ -143,6 +145,7 @@ def test_a_run_of_links_without_mass_asks_for_numbers(capsys):
     assert "in a .par file numbers for XX ... M" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_letters_stay_in_the_derivation_until_they_have_numbers(capsys):
     Path("arm.par").write_text(
         "sigma = {0,0,2}\nalpha = {0,Pi/2,0}\nd = {0,0,D3}\ntheta = {th1,th2,0}\nr = {0,0,0}\n"
@@ -170,6 +173,7 @@ def test_python_takes_a_file_wherever_it_takes_toml(leg):
         run_kind(RX90)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "path", [pytest.param(TREE, marks=pytest.mark.slow), LOOP], ids=["tree", "loop"]
 )

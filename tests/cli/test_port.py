@@ -43,6 +43,7 @@ def test_a_script_leaves_what_the_run_leaves(port, tmp_path, capsys, monkeypatch
         assert pictures[0] == pictures[1]
 
 
+@pytest.mark.slow
 def test_a_mechanism_lies_beside_the_script(port, tmp_path):
     status, out, _ = port(pendulum(), "--duration", "0.1")
     assert status == 0

@@ -184,6 +184,7 @@ def page_of(capsys):
     return re.search(r'"poses": "([^"]*)"', Path("leg.html").read_text(encoding="utf-8"))[1]
 
 
+@pytest.mark.slow
 def test_units_in_the_headers_are_heeded(capsys):
     before = page_of(capsys)
     recording = Recording.read_csv(Path("leg/recording.csv"))
@@ -243,6 +244,7 @@ def test_a_recording_cut_between_lines_is_refused(entries, said, capsys):
     assert said in refused(capsys, "leg", "--out", "a.html")
 
 
+@pytest.mark.slow
 def test_a_recording_that_is_as_its_summary_says_is_played(capsys):
     summarize(rows=6, duration_s=2.0, stopped_at_s=0.5)
     assert main(["replay", "leg", "--out", "a.html"]) == 0
@@ -256,6 +258,7 @@ def test_a_recording_that_is_a_pipe_is_refused_at_once(capsys):
     assert "leg is not a run's folder" in refused(capsys, "leg", "--out", "a.html")
 
 
+@pytest.mark.slow
 def test_a_walk_on_a_slope_is_replayed_on_it():
     name = "walk"
     words = ["hexapod", "--duration", "0.1", "--slope", "8", "--figures", "none", "--out", name]

@@ -54,6 +54,7 @@ def test_a_disturbed_run_says_in_its_line_what_it_cost(no_figures, here, capsys)
     assert "tau_asked1[N*m]" in Recording.read_csv(here / "out" / "recording.csv").columns
 
 
+@pytest.mark.slow
 def test_a_config_file_disturbs_too(no_figures, here, capsys):
     (here / "push.yaml").write_text("push: [0, 0, 0.05]\npush_at: 0.1\nmass_error: 0.2\n")
     words = ("scara", "--out", "out", "--duration", "0.5", "--config", "push.yaml")
@@ -100,6 +101,7 @@ def test_a_robot_called_like_a_block_is_one_sentence(here, capsys, tmp_path_fact
 # --- shows -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_run_is_replayed_and_drawn_on_request(no_figures, here, capsys, monkeypatch):
     monkeypatch.setattr(media, "rendering_fault", lambda: "to be quick")
     words = ("leg-b", "--out", "out", "--duration", "0.2", "--replay", "leg.html", "--stills")
@@ -173,6 +175,7 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [
@@ -256,6 +259,7 @@ def test_a_disk_that_is_full_at_the_figures_costs_these_alone(here):
 # --- the same bytes --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [

@@ -21,6 +21,7 @@ def foreseen(gait, speed, servo):
     return foresee_walk(HEXABOT, replace(walk, commands=(command,)), servo)
 
 
+@pytest.mark.slow
 def test_it_prints_the_foresight_as_json(capsys):
     words = ["--gait", "ripple", "--speed", "0.05", "--servo", "xl430", "--json"]
     assert main(["doctor", "hexapod", *words]) == 0
@@ -30,6 +31,7 @@ def test_it_prints_the_foresight_as_json(capsys):
     assert told == foreseen("ripple", 0.05, XL430).as_json()
 
 
+@pytest.mark.slow
 def test_it_says_margins_and_the_greatest_values_that_work(capsys):
     assert main(["doctor", "hexabot"]) == 0
     said = capsys.readouterr().out
@@ -43,6 +45,7 @@ def test_it_says_margins_and_the_greatest_values_that_work(capsys):
         assert words in said
 
 
+@pytest.mark.slow
 def test_a_walk_that_fails_is_said_with_what_works(capsys):
     assert main(["doctor", "phantomx", "--speed", "0.5"]) == 1
     said = capsys.readouterr().out
@@ -51,6 +54,7 @@ def test_a_walk_that_fails_is_said_with_what_works(capsys):
     assert "none works at this speed" in said
 
 
+@pytest.mark.slow
 def test_a_speed_that_is_not_given_is_one_that_works(capsys):
     """A wave at the usual 0.1 m/s is out of the legs' reach."""
     assert main(["doctor", "hexapod", "--gait", "wave", "--json"]) == 0
@@ -59,6 +63,7 @@ def test_a_speed_that_is_not_given_is_one_that_works(capsys):
     assert 0.05 < told["speed_m_s"] < 0.1
 
 
+@pytest.mark.slow
 def test_it_takes_a_robot_from_a_file_and_one_of_its_feet(tmp_path, capsys):
     file = tmp_path / "six.toml"
     file.write_text(robot_toml(HEXABOT), encoding="utf-8")

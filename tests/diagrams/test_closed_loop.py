@@ -28,6 +28,7 @@ def test_driven_joints_swing_with_the_loops_closed(robot, amplitude):
         assert np.abs(q[:, column] - exact).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_the_arm_keeps_its_parallelogram():
     config = ClosedLoopConfig(robot=PARALLELOGRAM_ARM, amplitude=(0.3, 0.2, 0.1, 0.1, 0.1, -0.3))
     result = simulate(build(config), duration=1.0)

@@ -38,6 +38,7 @@ def test_the_foot_stays_on_the_ellipse_of_any_vertical_plane(degrees):
     np.testing.assert_allclose(moved[-1], 0.0, atol=1e-9)  # closed
 
 
+@pytest.mark.slow
 def test_leg_a_goes_round_the_same_ellipse():
     _, moved_b = run_of()
     _, moved_a = run_of(robot=LEG_A, q0=tuple(np.radians([90.0, 50.0, 90.0])))

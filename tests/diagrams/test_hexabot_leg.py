@@ -59,6 +59,7 @@ def diagram_of(**changes):
     return build(HexabotLegConfig(robot=LEG_B, q0=POSTURES[LEG_B], **motion_of(changes)))
 
 
+@pytest.mark.slow
 def test_the_foot_starts_where_the_reports_posture_puts_it():
     np.testing.assert_allclose(START, [0.0, 0.0377, -0.1409], atol=5e-5)
     for robot in (LEG_A, LEG_B):
@@ -91,6 +92,7 @@ def test_both_legs_move_their_foot_and_turn_their_hip_alike():
     )
 
 
+@pytest.mark.slow
 def test_the_determinant_swings_between_the_reports_values_along_the_closed_form():
     run = step()
     det_j = run.scopes["singularity check"][:, 0]
@@ -152,6 +154,7 @@ def test_a_negative_amplitude_steps_backwards():
     np.testing.assert_allclose(backwards.scopes["foot positions"], mirrored, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_gain_of_ten_moves_the_foot_like_no_gain_at_ten_times_the_sine():
     plain, gained = step(), step(gain=10.0)
     np.testing.assert_array_equal(plain.time, gained.time)

@@ -28,6 +28,7 @@ def three_seconds():
     return walked(3.0)
 
 
+@pytest.mark.slow
 def test_the_robot_walks_as_planned(three_seconds):
     config, run = three_seconds
     place = run.scopes["body pose"][:, 4:]
@@ -85,6 +86,7 @@ def test_feedback_brings_the_body_back_to_its_course():
     assert lifted < 0.2 * sunk
 
 
+@pytest.mark.slow
 def test_on_the_flat_feet_that_feel_the_ground_walk_as_planned(three_seconds):
     _, blind = three_seconds
     _, run = walked(2.0, touch_down=True)
@@ -94,6 +96,7 @@ def test_on_the_flat_feet_that_feel_the_ground_walk_as_planned(three_seconds):
     assert not np.isin(run.scopes[TOUCH_DOWNS], (EARLY, MISSED)).any()
 
 
+@pytest.mark.slow
 def test_a_body_that_is_levelled_by_gravity_is_level_on_a_slope_across():
     """The ground leans to the right by 0.05 rad, and so would a body that is not levelled."""
     ground, settings = Ground(across=0.05), {"time_step": 0.005}

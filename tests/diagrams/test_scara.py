@@ -40,6 +40,7 @@ def tool_of(q):
     )
 
 
+@pytest.mark.slow
 def test_the_tool_goes_along_x_with_height_and_yaw_constant():
     run = run_of()
     tool, q = run.scopes["foot positions"], run.scopes["joint positions"]
@@ -61,6 +62,7 @@ def test_the_tool_does_not_turn_and_points_down():
     np.testing.assert_allclose(scopes["foot angular velocities"], 0.0, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [45, 90, 200])
 def test_the_tool_goes_straight_in_any_horizontal_direction(degrees):
     along = (float(np.cos(np.radians(degrees))), float(np.sin(np.radians(degrees))), 0.0)

@@ -76,6 +76,7 @@ def test_a_slider_crank_has_two_assemblies_and_none_out_of_reach():
     assert both.found[0].q[2] == pytest.approx(0.2 * math.cos(1.0) - both.found[1].q[2])
 
 
+@pytest.mark.slow
 def test_a_search_says_how_complete_it_is():
     found = assemblies(ClosedLoops(BENNETT), [1.0])
     assert len(found.found) == 1

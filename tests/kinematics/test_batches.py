@@ -81,6 +81,7 @@ def test_blocks_of_a_chain_are_the_whole_to_the_last_bit(rng, monkeypatch, funct
     np.testing.assert_array_equal(blocks, function(SCARA.rows, q))
 
 
+@pytest.mark.slow
 def test_many_postures_of_a_chain_take_little_more_memory_than_their_result():
     """A million poses are 128 MB; without blocks their evaluation took 1.3 GB."""
     script = (

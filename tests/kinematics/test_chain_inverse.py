@@ -13,6 +13,7 @@ from drake_leg.robot.robots import LEG_B
 FREE = (-math.inf, math.inf)
 
 
+@pytest.mark.slow
 def test_a_legs_branches_are_the_closed_forms(rng):
     leg = LegGeometry.from_robot(LEG_B)
     for _ in range(5):
@@ -33,6 +34,7 @@ def test_a_turn_within_the_limits_is_chosen():
     assert math.remainder(found.q[0, 0] - math.atan2(0.05, 0.1), 2 * math.pi) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "limits",
     [
@@ -64,12 +66,14 @@ def test_sliding_joints_are_found_as_far_as_the_foot_is():
     assert len(found.q) == 1
 
 
+@pytest.mark.slow
 def test_a_point_out_of_reach_has_no_posture_and_a_distance():
     found = find_postures(LEG_B.rows, [0.5, 0.0, 0.0], limits=[FREE] * 3)
     assert len(found.q) == 0
     assert found.nearest == pytest.approx(0.25, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_same_question_has_the_same_answer():
     first, second = (find_postures(LEG_B.rows, [0.1, 0.05, -0.1], limits=[FREE] * 3) for _ in "ab")
     np.testing.assert_array_equal(first.q, second.q)

@@ -88,6 +88,7 @@ def test_at_gimbal_lock_rates_are_the_least_squares_of_least_norm(sequence, at, 
         np.testing.assert_allclose(angle_rates(sequence, angles, w), expected, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "sequence",
     [

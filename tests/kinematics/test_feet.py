@@ -79,6 +79,7 @@ def test_limits_are_told_and_units_are_the_joints():
     assert limits_of(robot.moving)[2] == (0.0, 0.1)
 
 
+@pytest.mark.slow
 def test_a_stretched_arm_has_one_posture():
     found = feet(PLANAR_2, [0.5, 0.0, 0.0])
     assert len(found.solutions) == 1

@@ -72,6 +72,7 @@ def test_the_force_without_rate_is_the_slope_of_the_energy():
     np.testing.assert_allclose(limit_force(BOTH, q, 0.0), -slope, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.0, 0.5, 20.0])
 def test_a_bounce_creates_no_energy_and_without_damper_loses_none(damping):
     """A mass of 1 kg thrown between two stops."""

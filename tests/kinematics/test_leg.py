@@ -201,6 +201,7 @@ def test_the_bias_is_drakes_bias_acceleration(rng, robot, posed):
         np.testing.assert_allclose(bias, np.ravel(drakes), rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 @given(legs, postures, postures, postures)
 def test_the_task_inverts_the_jacobian_as_numpy_does(leg, q, qdot, command):
     assume(abs(math.sin(q[2])) > 0.05)

@@ -41,6 +41,7 @@ def regular(leg, q):
     return abs(math.sin(q[2])) > 1e-3 and abs(reach(leg, q)) > 1e-3 * leg.l1
 
 
+@pytest.mark.slow
 @given(legs, postures, st.tuples(*[st.integers(-2, 2)] * 3))
 def test_it_closes_and_keeps_branch_and_turns(leg, q, turns):
     assume(regular(leg, q))
@@ -51,6 +52,7 @@ def test_it_closes_and_keeps_branch_and_turns(leg, q, turns):
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 @given(legs, postures)
 def test_every_branch_that_is_reached_closes(leg, q):
     assume(regular(leg, q))

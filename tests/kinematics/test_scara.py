@@ -149,6 +149,7 @@ def test_the_bias_is_drakes_bias_acceleration(rng, posed):
         np.testing.assert_allclose(bias, [*np.ravel(drakes)[:2], 0.0], rtol=0, atol=1e-12)
 
 
+@pytest.mark.slow
 @given(arms, postures, postures, postures)
 def test_the_task_inverts_the_jacobian(arm, q, qdot, command):
     assume(abs(math.sin(q[1])) > 0.05)
@@ -160,6 +161,7 @@ def test_the_task_inverts_the_jacobian(arm, q, qdot, command):
     assert task.determinant(q) == pytest.approx(determinant(arm, q), rel=1e-9)
 
 
+@pytest.mark.slow
 @given(arms, postures, st.tuples(*[st.integers(-2, 2)] * 3))
 def test_inverse_kinematics_closes_and_keeps_elbow_and_turns(arm, q, turns):
     assume(abs(math.sin(q[1])) > 1e-3)

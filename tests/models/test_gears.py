@@ -122,6 +122,7 @@ def test_a_walkers_servos_have_ports_of_their_own():
     assert rotors == pytest.approx(silent.CalcMassMatrix(silent.CreateDefaultContext()), abs=1e-15)
 
 
+@pytest.mark.slow
 def test_a_record_separates_the_drive_from_the_friction():
     start = walk_of(HEXABOT).earliest_start
     walk = walk_of(HEXABOT, commands=(Command(forward=0.1, start=start),))

@@ -12,6 +12,7 @@ from drake_leg.models.witnesses import DrakeWitness
 from drake_leg.robot.linkages import FOUR_BAR, LINKAGES, SLIDER_CRANK_CUT_AT_SLIDE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", LINKAGES, ids=lambda robot: robot.name)
 def test_linkages_are_proved(robot):
     proof = prove(robot, samples=6)
@@ -38,6 +39,7 @@ def test_a_wrong_cut_joint_is_named(monkeypatch):
     assert (proof.worst.quantity, proof.worst.first) == ("closure at slide", "loops")
 
 
+@pytest.mark.slow
 def test_wrong_rates_of_passive_joints_are_named(monkeypatch):
     honest = ClosedLoops.W
 

@@ -42,6 +42,7 @@ def test_the_reports_robots_are_proved(robot):
     assert ("Jacobian", "chain", "differences") in quantities
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_proof():
     assert prove(LEG_B, samples=3, seed=5) == prove(LEG_B, samples=3, seed=5)
     assert prove(LEG_B, samples=3, seed=5) != prove(LEG_B, samples=3, seed=6)
@@ -212,6 +213,7 @@ def test_a_wrong_formula_of_a_row_is_found(method, monkeypatch):
     assert all("SymPy" in (c.first, c.second) for c in proof.comparisons if not c.agrees)
 
 
+@pytest.mark.slow
 def test_long_chains_are_proved(rng):
     rows = [
         Row(joint="revolute", d=d, alpha=alpha, r=r, theta=theta)

@@ -126,6 +126,7 @@ def test_an_inertia_that_no_body_has_is_refused(body, said):
 PARTS = st.floats(1e-3, 1e3)
 
 
+@pytest.mark.slow
 @given(x=PARTS, y=PARTS, z=st.just(0.0) | PARTS, turn=st.floats(-3.0, 3.0))
 def test_drake_takes_every_inertia_that_is_taken_here_even_a_plates(x, y, z, turn):
     """Moments y+z, x+z, x+y are any body's; with z = 0 a plate's, on the triangle's edge."""

@@ -127,6 +127,7 @@ def test_it_moves_as_the_walker_that_is_built_by_hand(name, rng):
             np.testing.assert_allclose(value, expected, rtol=0.0, atol=1e-12, err_msg=what)
 
 
+@pytest.mark.slow
 def test_it_walks_as_the_walker_that_is_built_by_hand(name):
     robot = WALKERS[name]
     legs, walk = Legs.of(robot), walk_of(robot, commands=[Command(forward=0.1, start=0.8)])

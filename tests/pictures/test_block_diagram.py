@@ -52,6 +52,7 @@ def test_every_wire_of_a_run_is_drawn_once_and_cleanly(run_diagram, require_clea
     require_clean(layout)
 
 
+@pytest.mark.slow
 def test_a_disturbed_run_is_drawn_with_its_push_its_limits_and_its_correction(
     run_diagram, require_clean
 ):
@@ -126,6 +127,7 @@ def test_the_drawing_is_one_svg_document_with_a_title(run_diagram):
     assert len(of_class(root, "block")) == len(run_diagram("leg-b").GetSystems())
 
 
+@pytest.mark.slow
 def test_the_same_diagram_gives_the_same_bytes(run_diagram):
     first, second = (block_diagram(run_diagram("scara"), title="scara").svg for _ in range(2))
     assert first == second

@@ -221,6 +221,7 @@ def loose_spots(picture, columns):
     return [n for n, spot in spots if spot.block >= 0 and picture.blocks[spot.block].loose]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loops", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_hundred_blocks_are_laid_out(rng, loops):
     assert len(lay_out(chance_wiring(rng, 100, loops=loops)).boxes) == 100

@@ -80,6 +80,7 @@ def test_what_was_asked_for_is_no_inaccuracy(options):
 # --- ill-conditioned starts ------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "options"),
     [
@@ -106,6 +107,7 @@ def test_a_start_that_ends_near_upright_is_called_ill_conditioned(name, options)
     assert "near upright" in summary["ill_conditioned"]
 
 
+@pytest.mark.slow
 def test_upright_the_free_pendulum_says_that_nobody_can_tell():
     summary = summary_of("pendulum", q0=[-90.0])
     assert summary["instability_1_s"] == pytest.approx(6.064, abs=1e-3)
@@ -113,6 +115,7 @@ def test_upright_the_free_pendulum_says_that_nobody_can_tell():
     assert summary_of("pendulum", q0=[-90.0], duration=1.0)["inaccuracy"] is None
 
 
+@pytest.mark.slow
 def test_it_ends_with_status_1_one_sentence_and_all_files(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("drake_leg.runs.figures.figures_of_run", lambda *arguments: ())
     out = tmp_path / "out"

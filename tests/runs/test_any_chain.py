@@ -143,6 +143,7 @@ def test_without_q0_the_joints_start_at_their_targets():
     np.testing.assert_allclose(joints(outcome)[0], [0.5, 0.5])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", [pytest.param("position", marks=pytest.mark.slow), "pose"])
 def test_a_singularity_is_foreseen_where_the_simulation_meets_it(task):
     robot, q = POSTURES["seven"]
@@ -162,6 +163,7 @@ def test_a_lost_turning_is_told_as_one():
         run_robot(PUMA, options(PUMA, q, amplitude=0.3, direction=[0, 0, 1], duration=3.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("inverse", "task"),
     [
@@ -192,6 +194,7 @@ def test_a_correction_brings_the_foot_back_from_a_wrong_start(name):
     assert summary["q0_error_rad"] == pytest.approx([math.radians(1.0)] * len(q))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [

@@ -11,6 +11,7 @@ from drake_leg.robot.linkages import FIVE_BAR, FOUR_BAR, SLIDER_CRANK
 from drake_leg.runs.catalogue import run_kind
 
 
+@pytest.mark.slow
 def test_a_driven_linkage_swings_with_its_loops_closed(tmp_path):
     done = run(FOUR_BAR, swing=[60], frequency=2.0, duration=1.0, out=tmp_path / "swing")
     assert done.summary["max_closure_m"] < 1e-9
@@ -22,6 +23,7 @@ def test_a_driven_linkage_swings_with_its_loops_closed(tmp_path):
     assert (tmp_path / "swing" / "joint_torques.png").exists()
 
 
+@pytest.mark.slow
 def test_a_released_linkage_keeps_its_energy():
     done = run(SLIDER_CRANK, q0=[80], duration=0.3)
     assert done.summary["dynamics"] == "released"
@@ -31,6 +33,7 @@ def test_a_released_linkage_keeps_its_energy():
     assert "tau1[N*m]" not in done.recording.columns
 
 
+@pytest.mark.slow
 def test_a_released_linkage_steps_by_its_error():
     """In steps of 10 ms a five-bar linkage would change its energy."""
     done = run(FIVE_BAR, duration=0.2, max_step=0.01)

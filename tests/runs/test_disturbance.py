@@ -93,6 +93,7 @@ def test_a_push_is_what_the_torques_do_not_explain():
     assert not push_torques(LEG_B, Seen, disturbance_of(wrong)).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "disturbed",
     [{"push": UP, "push_at": 0.5}, pytest.param({"mass_error": 0.2}, marks=pytest.mark.slow)],
@@ -165,6 +166,7 @@ def test_a_leg_kicked_out_of_its_workspace_is_stopped_with_its_family():
     assert summary["rows"] < 2000
 
 
+@pytest.mark.slow
 def test_ellipse_scara_and_robots_from_files_are_disturbed_alike():
     ellipse = run_ellipse(EllipseOptions(duration=0.6, **EARLY, correction=5.0)).summary
     scara = run_scara(
@@ -214,6 +216,7 @@ def test_senseless_options_are_refused(change, named):
         straight(**change)
 
 
+@pytest.mark.slow
 def test_two_disturbed_runs_are_the_same_to_the_bit():
     pair = [straight(duration=0.5, **EARLY, torque_limit=0.006).recording for _ in range(2)]
     for name, column in pair[0].columns.items():

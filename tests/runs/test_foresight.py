@@ -54,6 +54,7 @@ def test_a_forced_run_meets_what_was_foreseen(changes):
     assert as_foreseen(straight(force=True, **changes))
 
 
+@pytest.mark.slow
 def test_a_forced_ellipse_meets_what_was_foreseen():
     options = EllipseOptions(amplitude=0.1, duration=4.0)
     with pytest.raises(ForeseenSingularityError, match=r"below 0\.0929506"):
@@ -61,6 +62,7 @@ def test_a_forced_ellipse_meets_what_was_foreseen():
     assert as_foreseen(run_ellipse(replace(options, force=True)).summary)
 
 
+@pytest.mark.slow
 def test_a_forced_scara_meets_what_was_foreseen():
     options = ScaraOptions(amplitude=0.2, duration=4.0)
     with pytest.raises(ForeseenSingularityError, match=r"below 0\.131000"):
@@ -108,6 +110,7 @@ def test_passing_close_by_is_reported_and_not_refused():
     assert straight(duration=1.0)["grazing"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["damped", pytest.param("limited", marks=pytest.mark.slow)])
 def test_other_inverses_go_on_and_recover(method):
     summary = straight(duration=7.0, amplitude=0.1, inverse=method)

@@ -60,6 +60,7 @@ def test_a_joint_that_starts_at_its_limit_and_goes_inwards_is_not_stopped(invers
     assert outcome.summary["max_position_error_m"] < (1e-6 if inverse == "limited" else 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", [0.0, 1e-5, 0.05])
 def test_a_joint_comes_to_its_limit_and_never_crosses_it(room):
     free = run_robot(LEG_B, replace(BACK, inverse="exact")).recording["q2"]
@@ -81,6 +82,7 @@ def test_the_exact_inverse_stops_and_speaks_degrees():
     assert "outside its limits -50.5 ... -49.5 deg: choose another posture" in reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lag", [pytest.param(0.001, marks=pytest.mark.slow), 0.05])
 def test_joints_that_lag_behind_input_filters_do_not_cross_their_limit_either(lag):
     robot = limited(knee={"lower": math.radians(-52.0), "upper": math.radians(-48.0)})
@@ -143,6 +145,7 @@ def test_positions_are_written_as_they_are_typed():
     assert mixed == {"q0": [90.0, 0.1], "q0_units": ["deg", "m"]}
 
 
+@pytest.mark.slow
 def test_a_start_outside_the_limits_is_said_in_the_joints_unit():
     gantry = read_robot(SLIDING, "gantry.toml")
     with pytest.raises(JointLimitError, match=r"is at -0\.1 m .* limits 0 \.\.\. inf m"):

@@ -33,6 +33,7 @@ def angle_error(outcome):
     return max(np.abs(outcome.recording[q] - outcome.exact[q]).max() for q in angles)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("max_step", "within"),
     [(0.040, 1e-9), pytest.param(0.005, 1e-12, marks=pytest.mark.slow)],
@@ -116,6 +117,7 @@ def test_the_drift_is_that_of_two_lags_in_the_kinematic_loop():
     np.testing.assert_allclose(drift, DRIFT, rtol=0, atol=DRIFT_WITHIN)
 
 
+@pytest.mark.slow
 def test_the_drift_is_the_integral_of_the_jacobians_rate_over_the_delay():
     np.testing.assert_allclose(first_order_drift(LAG, DURATION), DRIFT, rtol=0, atol=DRIFT_WITHIN)
 

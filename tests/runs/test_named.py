@@ -119,6 +119,7 @@ def test_the_path_of_a_toml_file_is_a_robot(tmp_path):
         run("no.toml")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dynamics", ["none", "inverse"])
 def test_many_runs_keep_nothing(dynamics):
     """Objects are counted here, megabytes by tests/benchmarks/memory.py."""

@@ -47,6 +47,7 @@ def exact_period(q0):
 # --- free ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_free_pendulum_keeps_its_energy():
     summary, energy = free().summary, free().recording["energy"]
     assert summary["duration_s"] == 10.0
@@ -54,6 +55,7 @@ def test_the_free_pendulum_keeps_its_energy():
     assert abs(energy - energy[0]).max() / TORQUE <= 1e-8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [0.0, 60.0, 260.0, 720.0])
 def test_its_period_is_the_elliptic_integral(degrees):
     summary = free(q0=(degrees,), duration=4.0).summary
@@ -88,6 +90,7 @@ def test_a_run_of_less_than_a_swing_has_no_measured_period():
     assert summary["exact_period_s"] == pytest.approx(exact_period(0.0))
 
 
+@pytest.mark.slow
 def test_a_pendulum_that_hangs_or_has_no_weight_has_no_period():
     for change in ({"q0": (90.0,)}, {"gravity": 0.0}):
         summary = free(duration=4.0, **change).summary
@@ -101,6 +104,7 @@ def test_without_gravity_nothing_moves_and_the_drift_is_zero():
     assert outcome.summary["energy_drift"] == 0.0
 
 
+@pytest.mark.slow
 def test_size_density_and_gravity_act():
     size = (0.5, 0.03, 0.01)
     inertia = (0.5**2 + 0.03**2) / 12 + 0.5**2 / 4  # per mass
@@ -122,6 +126,7 @@ def test_its_columns_have_units():
 # --- damped ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_damped_pendulum_starts_at_its_target_and_rests_hanging():
     outcome = damped()
     q, summary = outcome.recording["q"], outcome.summary
@@ -134,6 +139,7 @@ def test_the_damped_pendulum_starts_at_its_target_and_rests_hanging():
     assert summary["energy_drift"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degrees", [-45.0, 200.0])
 def test_it_rests_hanging_whatever_its_target(degrees):
     summary = damped(target=degrees, damping=0.02, duration=6.0).summary
@@ -141,12 +147,14 @@ def test_it_rests_hanging_whatever_its_target(degrees):
     assert down == pytest.approx(2 * np.pi * round(down / (2 * np.pi)), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_simscapes_unit_damps_57_times_as_hard():
     in_si = damped(damping=0.001 * 180 / np.pi, duration=2.0)
     in_simscapes = damped(damping=0.001, damping_unit="N*m/(deg/s)", duration=2.0)
     np.testing.assert_allclose(in_si.recording["q"], in_simscapes.recording["q"], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_small_swings_die_out_with_the_linear_decrement():
     """q - pi/2 = phi0 exp(-c t / 2 I) (cos + ...): peaks fall by exp(-c T / 2 I)."""
     damping = 0.002
@@ -175,6 +183,7 @@ def test_a_run_that_has_hardly_begun_has_not_come_to_rest(duration):
 # --- with a spring ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "target"),
     [
@@ -200,12 +209,14 @@ def test_with_a_spring_the_pendulum_still_starts_horizontally():
     assert sprung(duration=0.1, q0=(45.0,)).recording["q"][0] == np.radians(45.0)
 
 
+@pytest.mark.slow
 def test_an_undamped_spring_keeps_its_energy_and_never_rests():
     summary = sprung(damping=0.0, duration=4.0).summary
     assert summary["energy_drift"] <= 1e-6
     assert summary["rest_angle_rad"] is None
 
 
+@pytest.mark.slow
 def test_the_motion_is_that_of_an_independent_integration():
     for outcome in (damped(duration=5.0), sprung(duration=5.0)):
         assert outcome.summary["max_angle_error_rad"] <= 1e-8
@@ -271,6 +282,7 @@ def test_a_light_damped_link_is_told_what_works():
         run_pendulum(replace(LIGHT, damping=1000.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("density", [pytest.param(1.0, marks=pytest.mark.slow), 100.0])
 def test_an_implicit_integrator_gives_the_right_motion_of_a_light_damped_link(density):
     options = replace(LIGHT, density=density, damping=0.05, integrator="radau3")

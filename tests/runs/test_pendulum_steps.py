@@ -31,6 +31,7 @@ def test_a_free_pendulum_takes_2_ms():
     assert steps_of(model_of(), 10.0, 0.0) == Steps(first=0.002, longest=0.002, growth=0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "damping", "duration"),
     [(5.0, 0.0, 2.0), (100.0, 0.01, 1.0), (1e3, 0.01, 0.3), (1e4, 0.01, 0.1), (1e3, 1.0, 1.0)],
@@ -42,6 +43,7 @@ def test_a_stiff_spring_is_right_to_a_twentieth_of_a_microradian(stiffness, damp
     assert summary["stop_reason"] is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.1, 1.0, 10.0])
 def test_a_strong_damper_is_right_with_few_steps(damping):
     outcome = run_pendulum(DampedPendulumOptions(damping=damping, duration=1.0))

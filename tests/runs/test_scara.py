@@ -71,6 +71,7 @@ def test_other_horizontal_directions_are_as_exact(direction):
     assert summary["max_yaw_error_rad"] <= 1e-9
 
 
+@pytest.mark.slow
 def test_a_run_into_the_boundary_stops_where_the_arm_is_stretched():
     outcome = run_of(amplitude=0.2, force=True)
     x0 = 0.220 * np.cos(np.radians(30)) + 0.240 * np.cos(np.radians(120))

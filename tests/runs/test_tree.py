@@ -44,6 +44,7 @@ def test_a_leg_on_a_wall_moves_as_on_the_floor_and_bears_another_gravity(dynamic
     )
 
 
+@pytest.mark.slow
 def test_a_push_on_a_leg_on_a_wall_is_in_the_world():
     robot = replace(LEG_B, base_pose=ON_A_WALL)
     options = {"push": [0.02, 0, 0.05], "push_at": 0.1, "push_for": 0.2, "duration": 0.4}

@@ -15,6 +15,7 @@ def forward():
     return run("hexapod", duration=3.0)
 
 
+@pytest.mark.slow
 def test_the_summary_says_how_well_it_walked(forward):
     summary = forward.summary
     assert summary["commanded_distance_m"] == pytest.approx(0.1 * (3.0 - 1.225 - 0.5), abs=1e-6)
@@ -103,6 +104,7 @@ def test_what_standing_costs_is_told_apart(forward):
     assert told == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_too_weak_falls_and_the_summary_says_when():
     summary = run("hexapod", duration=1.5, effort=0.05, feed_forward="none", force=True).summary
     assert summary["fell"]
@@ -121,6 +123,7 @@ def test_feet_that_feel_the_ground_climb_a_step_of_30_mm(robot):
     assert summary["touch_downs_not_found"] == 0
 
 
+@pytest.mark.slow
 def test_a_summary_counts_touch_downs_where_feet_feel_the_ground(forward):
     counted = run("hexapod", duration=1.7, touch_down=True).summary
     kinds = ("on_time", "early", "late", "not_found")

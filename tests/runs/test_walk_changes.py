@@ -88,11 +88,13 @@ def test_a_change_that_makes_no_sense_is_refused(then, said):
         WalkOptions(then=then).the_walk()
 
 
+@pytest.mark.slow
 def test_each_part_is_foreseen():
     with pytest.raises(DrakeLegError, match=r"a speed of 0\.0.* is the greatest that works"):
         run("hexapod", then="gait=wave at=3", duration=12.0)
 
 
+@pytest.mark.slow
 def test_the_summary_is_that_of_the_whole_walk():
     """Forward, then to the left with another gait: both ways count, and both are walked."""
     then = "gait=ripple sideways=0.05 at=1.8"

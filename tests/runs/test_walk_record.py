@@ -26,6 +26,7 @@ def record():
     return recorded(2.5)
 
 
+@pytest.mark.slow
 def test_feet_are_those_of_the_plants_kinematics(record):
     plant = add_walker(DiagramBuilder(), HEXABOT).plant
     context = plant.CreateDefaultContext()

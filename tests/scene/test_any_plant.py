@@ -235,6 +235,7 @@ def test_a_diagram_without_a_plant_is_refused():
         shown(builder.Build())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("view", ["3d", pytest.param("top", marks=pytest.mark.slow)])
 @pytest.mark.usefixtures("rendering")
 def test_both_can_be_stilled(walker, view):
@@ -245,6 +246,7 @@ def test_both_can_be_stilled(walker, view):
         assert red.sum() > 200
 
 
+@pytest.mark.slow
 def test_both_can_be_drawn_where_nothing_can_be_rendered(walker, monkeypatch):
     monkeypatch.setattr("drake_leg.scene.media.rendering_fault", lambda: "no light")
     for picture in (still(walker[0]), still(PENDULUM, [0.5])):

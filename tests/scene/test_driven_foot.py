@@ -67,6 +67,7 @@ def test_at_rest_the_guard_says_what_it_would_do(ankle, state, said):
         assert (step.state, step.share, step.sentence) == (state, None, said)
 
 
+@pytest.mark.slow
 def test_at_the_boundary_a_halted_foot_is_not_called_free():
     stopped = driven(DrivenFoot(LEG_B), Q, [0.1, 0.0, 0.0], 200)[-1]
     assert stopped.state == "stopped"
@@ -75,6 +76,7 @@ def test_at_the_boundary_a_halted_foot_is_not_called_free():
     assert "nearly stretched" in halted.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("v", "said"),
     [
@@ -106,6 +108,7 @@ def test_the_guard_slows_the_foot_stops_it_and_lets_it_back(v, said):
     assert back[-1].sigma_min > drive.slow
 
 
+@pytest.mark.slow
 def test_the_share_is_that_of_the_way_that_was_gone():
     drive = DrivenFoot(LEG_B)
     v = np.array([0.1, 0.0, 0.0])
@@ -116,6 +119,7 @@ def test_the_share_is_that_of_the_way_that_was_gone():
         before = step.foot
 
 
+@pytest.mark.slow
 def test_beside_the_boundary_the_foot_goes_freely_where_it_leads_inwards():
     drive = DrivenFoot(LEG_B)
     stopped = driven(drive, Q, [0.1, 0.0, 0.0], 250)[-1]
@@ -125,6 +129,7 @@ def test_beside_the_boundary_the_foot_goes_freely_where_it_leads_inwards():
     assert step.share > 0.9
 
 
+@pytest.mark.slow
 def test_no_joint_is_faster_than_its_greatest_rate(rng):
     drive = DrivenFoot(LEG_B)
     q = Q

@@ -83,6 +83,7 @@ def test_names_that_would_lie_on_each_other_are_what_spreading_mends(monkeypatch
     assert any(boxes_meet(one, other) for one, other in combinations(words, 2))
 
 
+@pytest.mark.slow
 def test_a_name_stays_where_it_was_while_its_axis_moves_a_little():
     robot, q = POSTURES[0]
     motion = PlantMotion(

@@ -24,6 +24,7 @@ def picture(png):
     return np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(float)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rendering")
 def test_a_rendered_still_has_its_size_and_shows_something():
     image = picture(still(PENDULUM, [0.5], view="front").png)

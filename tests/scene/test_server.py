@@ -90,6 +90,7 @@ def test_a_port_is_free_again_when_the_server_is_closed(service):
         assert again.port == service.server.port
 
 
+@pytest.mark.slow
 def test_two_hundred_loads_at_once_are_answered(service):
     loads = 200
 

@@ -72,6 +72,7 @@ def test_a_command_moves_the_foot_at_its_speed():
     assert driver.said == []
 
 
+@pytest.mark.slow
 def test_the_guard_says_once_what_it_does_and_shows_it():
     driver = Driver(go(60.0), *[idle] * 150)
     step = driver.drive()
@@ -97,6 +98,7 @@ def test_the_guard_says_when_it_lets_go_and_when_nothing_is_near():
     assert driver.said[-1].startswith(f"{AT_REST} (sigma_min 37.67 mm")
 
 
+@pytest.mark.slow
 def test_a_foot_halted_at_the_boundary_is_not_called_free():
     driver = Driver(go(60.0), *[idle] * 150, do("halt"), *[idle] * 3)
     driver.drive()

@@ -29,6 +29,7 @@ def steps(drive, velocity, duration):
     return [drive.step(np.array(velocity), PERIOD) for _ in range(round(duration / PERIOD))]
 
 
+@pytest.mark.slow
 def test_it_walks_as_far_as_it_is_told(drive):
     done = steps(drive, [0.1, 0.0, 0.0], 2.0)
     now = drive.live.now
@@ -95,6 +96,7 @@ class Page:
         self.handle(self.actions.pop(0) if self.actions else {"do": "quit"})
 
 
+@pytest.mark.slow
 def test_a_page_drives_it(drive, monkeypatch):
     monkeypatch.setattr(walk_teleop, "DrivenWalk", lambda robot: drive)
     monkeypatch.setattr(walk_teleop, "walk_page", lambda *_: "")

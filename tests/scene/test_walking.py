@@ -41,6 +41,7 @@ def in_world(points):
     return points @ X_WG[:3, :3].T + X_WG[:3, 3]
 
 
+@pytest.mark.slow
 def test_the_shown_robot_is_where_the_record_has_it(record, motion):
     X_WB = np.array(UPHILL.X_WG) @ record.body
     np.testing.assert_allclose(motion.poses()[:, 1], X_WB, atol=1e-12)
@@ -97,6 +98,7 @@ def test_feet_that_stand_touch_the_ground(motion):
     assert np.abs(standing).max() < 2e-3
 
 
+@pytest.mark.slow
 def test_the_robot_is_large_in_the_picture_however_far_it_walks(motion):
     way = np.linspace(0.0, 5.0, len(motion.time))[:, np.newaxis] @ np.array([[1.0, 1.0, 0.0]])
     q = motion.q.copy()
@@ -106,6 +108,7 @@ def test_the_robot_is_large_in_the_picture_however_far_it_walks(motion):
     np.testing.assert_allclose(near, framed, rtol=0.01)
 
 
+@pytest.mark.slow
 def test_steps_are_drawn_where_they_are(record):
     stairs = Ground(steps=Steps(height=0.02, start=0.1, run=0.1, count=2))
     scene = scene_of(motion_of(HEXABOT, record.run, ground=stairs))
@@ -113,6 +116,7 @@ def test_steps_are_drawn_where_they_are(record):
     np.testing.assert_allclose(tops, [0.02, 0.04], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_page_of_ten_seconds_is_small(motion):
     longer = 10.0 / motion.duration
     footing = replace(motion.footing, time=longer * motion.time)

@@ -125,6 +125,7 @@ def test_the_first_accurate_settings_are_taken():
     assert follow(slow, DURATION, tried)[1] == coarse
 
 
+@pytest.mark.slow
 def test_what_is_not_accurate_is_repeated_with_a_guard():
     """The motion crosses the workspace boundary, though it was called clear."""
     config = HexabotLegConfig(motion=SineStep(amplitude=0.2))
@@ -135,6 +136,7 @@ def test_what_is_not_accurate_is_repeated_with_a_guard():
     assert run.stopped_at == pytest.approx(plant.stopped_at, abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "duration", "farthest"),
     [("damped", 1.35, 0.21), pytest.param("limited", 1.6, 0.25, marks=pytest.mark.slow)],
@@ -156,6 +158,7 @@ def limited(lower, upper):
     return replace(LEG_B, segments=tuple(bounded if s is knee else s for s in LEG_B.segments))
 
 
+@pytest.mark.slow
 def test_a_run_ends_at_a_joint_limit_as_with_the_plant():
     q2 = HexabotLegConfig().q0[1]
     config = HexabotLegConfig(robot=limited(q2 - 0.1, q2 + 0.1))

@@ -117,6 +117,7 @@ def many(rng, count, slow=1):
     return met
 
 
+@pytest.mark.slow
 def test_random_runs_of_the_loop_are_exact_or_stop_in_time(rng):
     met = many(rng, 12)
     assert min(met.count(kind) for kind in (None, "stretch", "hip-axis")) > 0
@@ -161,6 +162,7 @@ any_scara = given(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=4)
 @any_scara
 def test_some_scaras_are_exact_or_stop_in_time(lengths, q0, heading, share, frequency, sign):

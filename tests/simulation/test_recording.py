@@ -74,6 +74,7 @@ def test_numbers_come_back_to_the_bit(tmp_path):
     assert_same_bits(written, Recording.read_csv(tmp_path / "recording.csv"))
 
 
+@pytest.mark.slow
 @given(arrays(np.float64, (4, 3), elements=st.floats(allow_nan=False)))
 def test_any_numbers_come_back_to_the_bit(tmp_path_factory, values):
     path = tmp_path_factory.mktemp("csv") / "recording.csv"

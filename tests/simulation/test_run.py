@@ -75,6 +75,7 @@ def through():
     return leg_run(duration=20.0)
 
 
+@pytest.mark.slow
 def test_a_run_holds_every_scope_at_every_step():
     run = through()
     assert set(run.scopes) == SCOPES
@@ -193,6 +194,7 @@ def test_at_a_given_step_caches_change_nothing():
         np.testing.assert_array_equal(values, without.scopes[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-9])
 def test_error_control_keeps_the_foot_on_its_line(accuracy):
     run = leg_run(duration=3.0, settings=IntegratorSettings(accuracy=accuracy))
@@ -220,6 +222,7 @@ def boundary_instant(amplitude, frequency=1.0):
     return np.arccos(1 - stroke_to_the_boundary() * frequency / amplitude) / frequency
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("amplitude", "frequency"),
     [
@@ -241,6 +244,7 @@ def test_a_run_stops_at_the_instant_at_which_the_leg_is_stretched(amplitude, fre
     assert "smaller amplitude" in run.stop_reason
 
 
+@pytest.mark.slow
 def test_what_was_recorded_up_to_a_singularity_is_whole_and_right():
     run = leg_run(duration=20.0, amplitude=0.1)
     assert run.stopped_at == run.time[-1] == pytest.approx(boundary_instant(0.1), abs=1e-6)
@@ -251,6 +255,7 @@ def test_what_was_recorded_up_to_a_singularity_is_whole_and_right():
     assert abs(run.scopes["joint positions"][-1, 2]) < 1e-4  # stretched
 
 
+@pytest.mark.slow
 def test_grazing_the_boundary_passes_and_stays_on_the_line():
     graze = stroke_to_the_boundary() / 2
     assert 0.0941 < graze < 0.09412
@@ -283,6 +288,7 @@ def test_a_run_stops_where_the_foot_meets_the_hip_axis():
     assert position_error(run) < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("distance", [1e-2, 1e-3, pytest.param(1e-4, marks=pytest.mark.slow)])
 def test_passing_by_the_hip_axis_keeps_the_line_or_stops(distance):
     run = leg_run(duration=4.0, q0=foot_above_and_beside_the_hip((-0.070, distance, -0.140)))
@@ -294,6 +300,7 @@ NEARLY_STRETCHED = [-0.05, *(pytest.param(q, marks=pytest.mark.slow) for q in (-
 AWAY, TOWARDS = (0.0, -1.0, 0.0), (0.0, 1.0, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ankle", NEARLY_STRETCHED)
 @pytest.mark.parametrize("direction", [AWAY, TOWARDS], ids=("away", "towards"))
 def test_a_start_next_to_a_singularity_keeps_the_line_or_stops(ankle, direction):
@@ -315,6 +322,7 @@ def test_an_ellipse_from_next_to_a_singularity_keeps_its_path_or_stops(ankle):
     np.testing.assert_allclose(moved, exact, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("elbow", [-0.2, -1.0])
 def test_a_scara_from_next_to_a_singularity_keeps_its_line_or_stops(elbow):
     config = scara.ScaraConfig(
@@ -345,6 +353,7 @@ def test_a_singular_scara_raises_at_the_start():
         simulate(scara.build(config), start=start_on_motion, duration=1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("amplitude", "frequency"),
     [
@@ -367,6 +376,7 @@ def test_a_fast_run_into_the_boundary_stops_there_singular_and_does_not_rebound(
     np.testing.assert_allclose(foot - foot[0], np.outer(advance, [1, 0, 0]), atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "scheme", [pytest.param("runge_kutta5", marks=pytest.mark.slow), "runge_kutta3", "radau3"]
 )

@@ -183,6 +183,7 @@ def test_texts_of_old_masks():
     assert mask.choices == {"kind": ("brick", "sphere")}
 
 
+@pytest.mark.slow
 def test_the_work_is_proportional_to_the_number_of_masked_blocks(tmp_path):
     def work(gains):
         builder = ModelBuilder()

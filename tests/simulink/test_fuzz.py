@@ -178,6 +178,7 @@ def read_changed(tmp_path, monkeypatch, count, seed):
     return readable
 
 
+@pytest.mark.slow
 def test_some_changed_files(tmp_path, monkeypatch):
     assert 20 < read_changed(tmp_path, monkeypatch, 200, seed=1) < 180
 

@@ -385,6 +385,7 @@ def test_endless_depth_is_refused(tmp_path):
             read_understood(builder.write(tmp_path / f"{layout}.slx", layout=layout))
 
 
+@pytest.mark.slow
 def test_the_work_is_proportional_to_the_number_of_blocks(tmp_path):
     def work(joints):
         builder = published_leg()

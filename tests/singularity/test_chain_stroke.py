@@ -22,6 +22,7 @@ ALONG, ASIDE = [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]
 SCARAS = {"shoulder": FREE, "elbow": FREE, "wrist": FREE, "lift": FREE}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", [None, movable(LEG_B)], ids=["numerical", "closed form"])
 def test_a_legs_stroke_is_the_closed_forms(rng, task):
     leg = LegGeometry.from_robot(LEG_B)
@@ -46,6 +47,7 @@ def test_a_scaras_stroke_is_the_closed_forms_with_its_lift_at_a_limit(rng):
     assert end[3] == pytest.approx(0.02, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_six_joints_hold_the_orientation_up_to_a_singularity():
     q, task = np.radians([10, 20, 30, 40, 50, 60]), movable(PUMA)
     stroke, end = chain_stroke(PUMA.rows, q, ASIDE, moved=task)
@@ -75,6 +77,7 @@ def test_a_joint_at_its_limit_goes_in_but_not_out(rounding):
     assert back.length == chain_stroke(LEG_B.rows, q, [0.0, 0.0, -1.0]).stroke.length
 
 
+@pytest.mark.slow
 def test_a_stroke_is_infinite_where_nothing_turns():
     gantry = chain_of([slide(), slide(alpha=1.5, theta=0.7), slide(alpha=1.4, theta=0.3)])
     stroke = chain_stroke(gantry.rows, [0.0] * 3, [1.0, 2.0, 3.0], moved=movable(gantry)).stroke

@@ -74,6 +74,7 @@ def test_accelerations_are_the_derivative_of_the_rates_along_the_motion(q3, deri
     np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_a_leg_pushed_against_its_boundary_comes_to_rest_before_it():
     damped = Damped(EXACT, BELOW)
     q = np.array([0.0, -0.5, -0.05])

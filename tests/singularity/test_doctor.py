@@ -130,6 +130,7 @@ def test_a_scaras_yaw_is_told_or_the_postures(capsys):
     assert "at yaw 20 deg, that of the posture" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_where_the_foot_is_comes_first(capsys):
     assert main(["doctor", "leg-b", "--q", "0,0,0"]) == 0
     text = capsys.readouterr().out
@@ -157,6 +158,7 @@ def test_a_wrist_singularity_is_one_of_the_whole_jacobian(capsys):
     assert whole["lost_twists"] == [{"turning": [1.0, 0.0, 0.0], "moving": None}]
 
 
+@pytest.mark.slow
 def test_six_joints_heed_direction_and_frequency(capsys):
     posture = [PUMA, "--q", "10,20,30,40,50,60"]
     along_x = doctor(capsys, *posture)
@@ -166,6 +168,7 @@ def test_six_joints_heed_direction_and_frequency(capsys):
     assert along_z["max_amplitude_m_s"] == pytest.approx(1.5 * along_z["stroke_forward_m"])
 
 
+@pytest.mark.slow
 def test_a_redundant_arm_leaves_its_orientation_free(tmp_path, capsys):
     path = tmp_path / "five.toml"
     row = "[[row]]\nsigma = 0\nd = 0.1\nalpha = {}\nr = 0.05\ntheta = 0\n"
@@ -214,6 +217,7 @@ def test_a_posture_outside_its_limits_is_remarked(capsys):
     assert doctor(capsys, DESK, "--q", "10,-50,0.05")["outside_limits"] == [sentence]
 
 
+@pytest.mark.slow
 def test_a_planar_arm_is_not_called_singular(tmp_path, capsys):
     path = tmp_path / "planar.toml"
     row = "[[row]]\nsigma = 0\nd = 0.1\nalpha = 0\nr = 0\ntheta = 0\n"

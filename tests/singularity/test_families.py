@@ -13,6 +13,7 @@ from drake_leg.singularity.families import families_of, singular_words
 from drake_leg.singularity.forecast import encounter_at
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", [LEG_A, LEG_B], ids=["A", "B"])
 def test_doctor_encounter_and_words_name_one_family(rng, robot):
     leg = MovableLeg(LegGeometry.from_robot(robot))

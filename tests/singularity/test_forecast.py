@@ -90,6 +90,7 @@ def test_passing_close_by_is_told(clearance):
     assert beyond.grazing
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", [LEG_A, LEG_B], ids=["A", "B"])
 def test_what_is_foreseen_is_singular_and_in_time(rng, robot):
     leg = LegGeometry.from_robot(robot)

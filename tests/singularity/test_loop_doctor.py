@@ -31,12 +31,14 @@ def toggles():
     return angles
 
 
+@pytest.mark.slow
 def test_the_rocker_of_a_four_bar_has_two_dead_centers():
     found = examine_loops(FOUR_BAR)
     assert [(one.kind, one.joint) for one in found.singular] == [("dead center", "rocker")] * 2
     assert sorted(one.q[0] for one in found.singular) == pytest.approx(sorted(toggles()), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_there_a_driven_rocker_does_not_determine_the_crank():
     loops = ClosedLoops(FOUR_BAR, active=["rocker"])
     found, said = singular_assemblies(loops, ClosedLoops(FOUR_BAR).position([1.0]))
@@ -46,6 +48,7 @@ def test_there_a_driven_rocker_does_not_determine_the_crank():
     assert said == "rocker all around"
 
 
+@pytest.mark.slow
 def test_a_slider_has_its_dead_centers_in_line_with_the_crank():
     found = examine_loops(SLIDER_CRANK).singular
     assert {one.joint for one in found} == {"slide"}
@@ -71,6 +74,7 @@ def test_joints_outside_the_loops_are_not_searched():
     assert rates == "joint3' = -1 joint2' +1 joint7'"
 
 
+@pytest.mark.slow
 def test_a_bennett_linkage_has_no_singular_assembly():
     found = examine_loops(BENNETT)
     assert found.singular == ()

@@ -97,6 +97,7 @@ def test_a_gradient_is_that_of_differences_of_runs(of):
         np.testing.assert_allclose(slopes[name], expected, rtol=0.0, atol=atol, err_msg=name)
 
 
+@pytest.mark.slow
 def test_the_greatest_rate_has_the_gradient_of_differences():
     """The summary interpolates it by cubics, whose error small steps make negligible."""
     options = {"duration": 1.0, "max_step": 0.005}
@@ -108,6 +109,7 @@ def test_the_greatest_rate_has_the_gradient_of_differences():
         assert slopes[name] == pytest.approx((ends[0] - ends[1]) / 2e-5, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_stroke_of_the_motion_is_twice_the_amplitude_over_the_frequency():
     A, w = 0.07, 1.3
     slopes = gradient(
@@ -177,6 +179,7 @@ def test_torques_grow_with_the_density():
     assert slopes["density"] * 2700.0 == pytest.approx(slopes.value, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "robot",
     [PUMA, pytest.param(SEVEN, marks=pytest.mark.slow)],

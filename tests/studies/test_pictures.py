@@ -20,6 +20,7 @@ def legs(tmp_path_factory):
     )
 
 
+@pytest.mark.slow
 def test_a_map_shows_every_run_in_its_place(legs):
     axes, bar = legs.plot("sigma_min_m").axes
     (grid,) = axes.collections[:1]

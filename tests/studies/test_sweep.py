@@ -605,6 +605,7 @@ def test_numbers_are_for_files_with_letters():
         sweep("leg-b", vary={"amplitude": [0.02]}, numbers={"D3": 1})
 
 
+@pytest.mark.slow
 def test_a_sweep_of_a_files_letters_has_the_file_in_its_plan(tmp_path, capsys):
     out = tmp_path / "lengths"
     words = [str(RX90), "--set", "RL4=0.4", "--vary", "D3=0.3:0.5:2", "--out", str(out)]

@@ -47,6 +47,7 @@ NAMES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_regressors_give_the_torques_and_only_that_of_base_parameters_has_full_rank(name, rng):
     table = tables(rng)[name]
@@ -85,6 +86,7 @@ def rx_90():
     return base_parameters(robot_of(RX_90, np.random.default_rng(1)))
 
 
+@pytest.mark.slow
 def test_an_rx_90_has_the_textbooks_base_parameters(rx_90):
     found = rx_90
     inertial = [kept for kept in found.groups if kept.name not in ("FV", "FS")]
@@ -124,6 +126,7 @@ def test_an_rx_90_has_the_textbooks_base_parameters(rx_90):
     assert found.name(Parameter(link=2, name="XY")) == "XY2"
 
 
+@pytest.mark.slow
 def test_a_grouping_may_have_a_quotient_of_the_angles_waves(rng):
     found = group_parameters(general(TILTED, rng))
     (kept,) = [kept for kept in found.groups if str(kept) == "MY2"]

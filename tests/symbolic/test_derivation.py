@@ -67,6 +67,7 @@ def test_every_frame_and_the_foot_are_the_numeric_ones(rng, rows):
     np.testing.assert_allclose(foot[:, 0], khalil.foot_pose(rows, q)[:3, 3], atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("derive", [foot_function, jacobian_function])
 def test_the_work_is_proportional_to_the_number_of_joints(derive, rng):
     def work(joints):

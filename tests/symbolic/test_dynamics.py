@@ -52,6 +52,7 @@ def of_joints_and_base(found, name):
     return np.concatenate([found["base"], found[name]] if "base" in found else [found[name]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_models_are_drakes(name, rng):
     robot = robots(rng)[name]
@@ -73,6 +74,7 @@ def test_the_models_are_drakes(name, rng):
             close(found, drake.accelerations, 1e4)  # the matrix is badly conditioned
 
 
+@pytest.mark.slow
 def test_direct_dynamics_undoes_inverse_dynamics_on_a_floating_base(rng):
     robot = robot_of(FORK[:3], rng, floating=True)
     table = table_of_robot(robot)
@@ -97,6 +99,7 @@ def test_a_hexapods_models_are_drakes(rng):
     close(matrix(drake.motion[0])["A"], drake.mass_matrix, np.abs(drake.mass_matrix).max())
 
 
+@pytest.mark.slow
 def test_torques_are_linear_in_the_accelerations(rng):
     torques = derive_model(robot_of(RX_90, rng), "dynamics")
     q, qdot, a, b = rng.uniform(-1.0, 1.0, (4, 6))
@@ -104,6 +107,7 @@ def test_torques_are_linear_in_the_accelerations(rng):
     np.testing.assert_allclose(at[3] - at[0], 2 * (at[1] - at[0]) - 3 * (at[2] - at[0]), atol=1e-11)
 
 
+@pytest.mark.slow
 def test_the_energys_rate_is_the_torques_power(rng):
     robot = robot_of(FORK, rng)
     table = table_of_robot(robot)
@@ -256,6 +260,7 @@ def test_wrong_inputs_are_refused():
         inverse_dynamics(planar_arm())([0, 0], [0, 0], [0, 0], letters={"FS1": 1, "FS2": 1})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["qdot1", "qddot2", "tau1"])
 def test_a_letter_may_have_the_name_of_an_input(name):
     table = table_of_robot(LEG_B)

@@ -29,6 +29,7 @@ def test_the_numbers_are_the_reports_in_order(numbered, name):
     assert list(numbered(name)) == LABELS[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [pytest.param("leg-a", marks=pytest.mark.slow), "leg-b", "scara"])
 def test_every_equation_is_one_line_of_latex_and_a_text(numbered, derived, name):
     stated = [e for group in numbered(name).values() for e in group]
@@ -119,6 +120,7 @@ def test_the_foots_position_is_that_of_its_transform(numbered, derived):
     assert right_of(numbered, "leg-b", "2.5.1") == derived("leg-b").to_base[-1][:3, 3]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_findings_say_that_both_methods_agree(derived, name):
     first, second, *zeros = findings(derived(name))

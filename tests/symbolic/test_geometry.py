@@ -44,6 +44,7 @@ def differences(robot, frame, q):
     return np.array(columns).T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["odd", "fork"])
 def test_velocities_and_accelerations_are_drakes(name, rng):
     robot = robot_of(ROWS[name], rng)
@@ -77,6 +78,7 @@ def test_velocities_and_accelerations_are_drakes(name, rng):
         np.testing.assert_allclose(bias, [*Jv.rotational(), *Jv.translational()], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_an_rx_90s_determinant_is_the_textbooks(rng):
     model = derive_model(robot_of(RX_90, rng), "determinant")
     (determinant,) = model.outputs[0].value

@@ -87,6 +87,7 @@ def near(found, expected):
     assert np.abs(found - expected).max() < 1e-10 * scale
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", [*FEW, *OTHERS], ids=lambda robot: robot.name)
 def test_models_of_closed_loops_are_those_of_drakes_cut_tree_through_w(robot, rng):
     """``W' M W`` and so on, with W and b by kinematics in numbers, and M by Drake."""
@@ -146,6 +147,7 @@ def test_the_motors_power_is_the_energys_rate():
     assert power == pytest.approx(rate + friction, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_parallelogram_needs_the_sum_of_what_its_cranks_need(rng):
     """The loop of the SR400's kind: joint 3 follows 7 - 2, 8 follows 2 - 7, 9 follows 7 - 2."""
     table = table_of_par(load_par(ARM))

@@ -37,6 +37,7 @@ def derived(rows):
     return derivation, {piece.title: piece.derive() for piece in own_pieces(derivation)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_every_matrix_is_the_numeric_one(name, rng):
     rows = TABLES[name]
@@ -68,6 +69,7 @@ def test_the_determinant_is_that_of_the_rows_that_it_names(name, rng):
     assert value == pytest.approx(right, abs=1e-14)
 
 
+@pytest.mark.slow
 def test_a_planar_arm_is_singular_where_it_is_stretched():
     _, found = derived(PLANAR)
     assert [equation.title for equation in found["singular postures"]] == [

@@ -224,6 +224,7 @@ def test_decimals_of_a_table_are_shown_as_decimals():
     assert latex_text(sp.Rational(9, 20) * x) == "0.45 x"
 
 
+@pytest.mark.slow
 def test_base_parameters_of_decimal_tables_have_no_long_fractions():
     table = table_of_par(load_par(RX90), numbers_of({"D3": 0.45, "RL4": 0.4}, "here"))
     found = group_parameters(table)

@@ -144,6 +144,7 @@ def test_a_diagrams_derivatives_are_those_of_differences(name):
     np.testing.assert_allclose(slopes, expected, rtol=1e-6, atol=1e-8 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 def test_a_simulated_step_carries_the_derivative_by_its_start():
     diagram = hexabot_leg.build(HexabotLegConfig())
     start = diagram.CreateDefaultContext()

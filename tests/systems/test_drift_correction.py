@@ -65,6 +65,7 @@ def test_without_correction_the_error_stays():
     np.testing.assert_allclose(error, np.tile(error[0], (len(error), 1)), atol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_scaras_yaw_and_place_are_corrected():
     config = scara.ScaraConfig(robot=SCARA, control=Control(correction=3.0, q0_error=OFF))
     run = simulate(

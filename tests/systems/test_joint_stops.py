@@ -51,6 +51,7 @@ def test_a_pendulum_bounces_between_its_limits_by_the_equation_of_motion():
     np.testing.assert_allclose(found, acceleration(model, q, w), rtol=1e-10, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_energy_with_that_of_the_stops_never_grows():
     model, q, w, scopes = swing(LIMITS)
     recorded = scopes["energy"][:, 0]

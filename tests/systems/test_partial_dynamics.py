@@ -195,6 +195,7 @@ def simulated(plant, joints, amplitude, frequency, *, duration, q0=None, max_ste
     return state.sample_times(), state.data().T, torque.data().T
 
 
+@pytest.mark.slow
 def test_a_cart_carries_its_pendulum_along_as_the_closed_form_says():
     """Cart 1.2 kg on x, rod 0.7 kg, 0.4 m, hanging from it at an angle from the vertical."""
     M, m, length = 1.2, 0.7, 0.4
@@ -221,6 +222,7 @@ def test_a_cart_carries_its_pendulum_along_as_the_closed_form_says():
     assert np.ptp(theta) > 0.5
 
 
+@pytest.mark.slow
 def test_a_driven_arm_on_a_body_adrift_keeps_the_momentum_of_the_whole():
     plant = walker(floating=True)
     plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, 0.0])

@@ -186,6 +186,7 @@ def test_three_joints_of_any_kind_put_the_foot_at_a_point(kinds, rng):
         assert_found(arm, random_posture(arm, rng), goal=lambda X: X[:3, 3])
 
 
+@pytest.mark.slow
 def test_random_tables_of_pieper(rng):
     for trial in range(12):
         at = trial % 4
@@ -243,6 +244,7 @@ def test_the_legs_branches_are_the_closed_forms(rng):
             assert distances(LEG_B, found.solutions, q).min() < 1e-9
 
 
+@pytest.mark.slow
 def test_the_scaras_branches_are_the_closed_forms(rng):
     geometry = scara.ScaraGeometry.from_robot(SCARA)
     for _ in range(5):
@@ -266,6 +268,7 @@ def test_a_numerical_search_finds_nothing_else(robot, rng):
         assert distances(robot, found.solutions, q).min() < 1e-6
 
 
+@pytest.mark.slow
 def test_a_wrist_whose_axes_line_up_has_infinitely_many_postures():
     found = inverse_geometry(RX90, foot_pose(RX90.rows, [0.2, -0.5, 0.7, 0.4, 0.0, 0.3]))
     assert found.infinitely_many
@@ -308,6 +311,7 @@ def test_a_pose_near_a_singular_one_is_reached_as_well():
         assert len(found.solutions) in (6, 7, 8)
 
 
+@pytest.mark.slow
 def test_what_is_out_of_reach_says_by_how_much():
     found = inverse_geometry(LEG_B, [0.5, 0.0, 0.0])
     assert found.solutions.shape == (0, 3)
@@ -320,6 +324,7 @@ def test_what_is_out_of_reach_says_by_how_much():
     assert "180 deg" in repr(found)
 
 
+@pytest.mark.slow
 def test_a_general_table_is_solved_numerically_and_says_so(rng):
     q = random_posture(GENERAL, rng)
     assert closed_forms(GENERAL.rows, pose=True) == ()
@@ -331,6 +336,7 @@ def test_a_general_table_is_solved_numerically_and_says_so(rng):
     assert "at most 16" in found.method
 
 
+@pytest.mark.slow
 def test_a_redundant_chain_shows_some_of_infinitely_many(rng):
     found = inverse_geometry(SEVEN, foot_pose(SEVEN.rows, random_posture(SEVEN, rng)))
     assert found.infinitely_many
@@ -360,6 +366,7 @@ def test_postures_within_the_limits_come_first_turned_into_them():
     assert "outside the limits" in repr(found)
 
 
+@pytest.mark.slow
 def test_of_a_free_joint_a_position_within_its_limits_is_shown():
     robot = limited(RX90, [(-3.2, 3.2)] * 3 + [(0.5, 1.0), (-3.2, 3.2), (-3.2, 3.2)])
     found = inverse_geometry(robot, foot_pose(robot.rows, [0.2, -0.5, 0.7, 0.9, 0.0, 0.3]))

@@ -85,6 +85,7 @@ def test_the_greatest_speed_works_and_a_little_more_does_not(forward):
     assert standing.greatest_speed == pytest.approx(found.greatest_speed)
 
 
+@pytest.mark.slow
 def test_a_stride_out_of_reach_is_refused_with_the_greatest_one():
     walk = walk_of(replace(FORWARD, forward=0.5))
     found = foresee_walk(HEXABOT, walk)
@@ -104,6 +105,7 @@ def test_a_stride_out_of_reach_is_refused_with_the_greatest_one():
     assert caught.value.where in Legs.of(HEXABOT).names
 
 
+@pytest.mark.slow
 def test_a_speed_that_the_servo_cannot_follow_is_refused_with_the_greatest_one():
     walk = walk_of(replace(FORWARD, forward=0.5), period=0.4)
     behind, rate, torque, most, stall, speed = says(
@@ -121,6 +123,7 @@ def test_a_speed_that_the_servo_cannot_follow_is_refused_with_the_greatest_one()
     assert foresee_walk(HEXABOT, walk).refusal is None  # without a servo
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_too_heavy_for_its_servos_is_refused():
     heavy = hexapod(name="heavy", body_mass=6.0)
     found = foresee_walk(heavy, walk_of(FORWARD, robot=heavy), IDEAL)
@@ -129,6 +132,7 @@ def test_a_robot_that_is_too_heavy_for_its_servos_is_refused():
     assert found.demand("torque").value > IDEAL.stall_torque
 
 
+@pytest.mark.slow
 def test_the_speed_limit_of_a_joint_itself_counts():
     slow = hexapod(mechanics=JointMechanics(velocity=3.0))
     (speed,) = says(
@@ -153,6 +157,7 @@ def test_a_servo_is_behind_by_what_its_line_lacks_and_catches_up():
     assert again[50].tolist() == [0.0, 0.0]  # after a gap
 
 
+@pytest.mark.slow
 def test_a_turn_rate_and_a_speed_are_scaled_together():
     command = Command(forward=0.05, turning=1.6, start=1.0)
     speed, rate = says(
@@ -162,6 +167,7 @@ def test_a_turn_rate_and_a_speed_are_scaled_together():
     assert math.radians(rate) / speed == pytest.approx(32.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_lift_that_fails_at_every_speed_is_refused_with_the_greatest_lift(forward):
     walk = walk_of(FORWARD, lift=0.19)
     (lift,) = says(foresee_walk(HEXABOT, walk, IDEAL), r".*: a lift of ([\d.]+) m is the .* works")
@@ -187,6 +193,7 @@ def test_heights_that_work_are_those_of_workspace_and_ground(forward):
     assert "the body would be 10 mm in the ground at t = 0 s" in low.refusal
 
 
+@pytest.mark.slow
 def test_a_joint_limit_is_named_with_the_greatest_speed_or_attitude():
     limited = hexapod(mechanics=JointMechanics(lower=-2.22, upper=0.5))
     walk = walk_of(replace(FORWARD, forward=0.15), robot=limited)
@@ -207,6 +214,7 @@ def test_a_joint_limit_is_named_with_the_greatest_speed_or_attitude():
     assert foresee_walk(HEXABOT, walk_of(attitudes=[part])).refusal is None
 
 
+@pytest.mark.slow
 def test_legs_that_would_collide_are_named():
     hips = {
         f"{side}_{leg}": Hip(x, sign * 0.08, sign * math.pi / 2)
@@ -227,6 +235,7 @@ def test_legs_that_would_collide_are_named():
     assert foresee_walk(narrow, slower).demand("gap between legs").value >= 0.0
 
 
+@pytest.mark.slow
 def test_on_too_steep_a_slope_the_center_of_mass_is_not_supported():
     steep = Ground(slope=math.radians(58.0), across=math.radians(40.0), friction=3.0)
     found = foresee_walk(HEXABOT, walk_of(FORWARD), IDEAL, ground=steep)
@@ -254,6 +263,7 @@ def test_where_feet_slide_no_walk_works():
     assert foresee_walk(HEXABOT, walk_of(FORWARD), ground=Ground(friction=0.05)).refusal is None
 
 
+@pytest.mark.slow
 def test_gaits_that_do_not_suit_the_robot_are_refused():
     five = hexapod(hips={f"leg{i}": Hip(0.1 * math.cos(i), 0.1 * math.sin(i), i) for i in range(5)})
     with pytest.raises(InvalidValueError, match="'tripod' is for 6 legs; 'hexabot' has 5"):
@@ -327,6 +337,7 @@ def test_only_the_time_of_the_run_counts():
     assert not foresee_walk(HEXABOT, walk_of(attitudes=[late]), duration=10.0).unmet
 
 
+@pytest.mark.slow
 def test_numbers_of_the_summary(forward):
     entries = forward.as_json()
     assert entries["refusal"] is None

@@ -38,6 +38,7 @@ def drive(*velocity):
     return lambda walk: setattr(walk, "command", np.array(velocity))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "gait",
     [gait if gait == "tripod" else pytest.param(gait, marks=pytest.mark.slow) for gait in GAITS],
@@ -88,6 +89,7 @@ def test_feet_that_stand_do_not_move(moments):
     assert np.abs(np.diff(feet, axis=0))[both].max() == 0.0
 
 
+@pytest.mark.slow
 def test_swings_begin_and_end_at_rest_and_their_velocities_have_no_jumps(moments):
     feet, speeds = (np.array([getattr(one, n) for one in moments]) for n in ("feet", "speeds"))
     assert np.abs(np.diff(speeds, axis=0)).max() < 25.0 * STEP  # [m/s], of a bounded acceleration

@@ -34,6 +34,7 @@ def test_at_rest_it_carries_the_weight_as_the_plan_does():
     np.testing.assert_allclose(row.torques, planned, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_with_a_constant_command_it_is_that_of_the_planned_walk():
     """After five periods; accelerations of feet are differences over a time step."""
     walk, velocity = live(), (0.06, 0.01, 0.1)
@@ -61,6 +62,7 @@ def test_with_a_constant_command_it_is_that_of_the_planned_walk():
     assert off.max() < 0.1
 
 
+@pytest.mark.slow
 def test_a_standing_robot_keeps_its_feet_firm_and_a_lifted_foot_is_not():
     walk = live()
     for number in range(300):

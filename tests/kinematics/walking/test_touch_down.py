@@ -71,6 +71,7 @@ def higher_from(edge, height):
     return lambda x, y: np.where(x > edge, height, 0.0)
 
 
+@pytest.mark.slow
 def test_on_the_plane_of_the_plan_nothing_changes():
     feet, states, heights = walked(2.2, level(0.0))
     planned = WALK.feet_in_world(STEP * np.arange(len(feet))).value
@@ -79,6 +80,7 @@ def test_on_the_plane_of_the_plan_nothing_changes():
     np.testing.assert_allclose(heights, 0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_foot_stops_where_it_touches_the_ground_early():
     feet, states, _ = walked(2.9, higher_from(0.195, 0.02))
     stops = np.flatnonzero((states[1:, 0] == EARLY) & (states[:-1, 0] != EARLY)) + 1
@@ -89,6 +91,7 @@ def test_a_foot_stops_where_it_touches_the_ground_early():
     assert len(stops) >= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("depth", [0.004, 0.015, 0.028])
 def test_a_foot_that_finds_no_ground_goes_down_to_it(depth):
     feet, states, _ = walked(2.2, higher_from(0.195, -depth))
@@ -99,6 +102,7 @@ def test_a_foot_that_finds_no_ground_goes_down_to_it(depth):
     assert speeds[states[:-1, 0] == SEARCHES].min() >= -SEARCH.speed - 1e-9
 
 
+@pytest.mark.slow
 def test_it_goes_down_no_farther_than_it_may():
     feet, states, _ = walked(2.2, higher_from(0.195, -1.0))
     missed = states[:, 0] == MISSED
@@ -106,6 +110,7 @@ def test_it_goes_down_no_farther_than_it_may():
     np.testing.assert_allclose(feet[missed, 0, 2], -SEARCH.depth, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_swing_has_no_jumps_wherever_it_begins():
     feet, states, _ = walked(3.0, higher_from(0.195, 0.02))
     speeds = np.linalg.norm(np.diff(feet[:, 0], axis=0), axis=1) / STEP
@@ -115,6 +120,7 @@ def test_a_swing_has_no_jumps_wherever_it_begins():
     assert speeds[begins].max() < 0.02
 
 
+@pytest.mark.slow
 def test_the_body_follows_the_mean_height_of_its_feet():
     _, _, heights = walked(4.5, higher_from(0.0, 0.03))
     assert heights[-1] == pytest.approx(0.03, abs=2e-3)
@@ -123,6 +129,7 @@ def test_the_body_follows_the_mean_height_of_its_feet():
     assert np.abs(np.diff(heights, 2)).max() < 2.0 * STEP**2
 
 
+@pytest.mark.slow
 def test_a_foot_that_meets_a_face_climbs_it():
     """It draws back, rises above the edge, and lands on the floor behind it."""
     edge, top = 0.205, 0.03

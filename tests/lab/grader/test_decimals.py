@@ -26,6 +26,7 @@ def test_a_height_and_a_one_off_by_one_are_wrong():
     assert wrong("T01", entries.format("452.3"), SCARA) == ["T01 (3, 3)", "T01 (3, 4)"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("x", "y"),
     [
@@ -41,6 +42,7 @@ def test_each_of_several_numbers_is_judged(x, y):
     ]
 
 
+@pytest.mark.slow
 def test_several_lengths_in_metres_off_by_one_are_wrong():
     reach = "(0.0499 + 0.0999*c2 + 0.0999*c23)"
     entries = [f"{reach}*c1", f"{reach}*s1", "0.1*s2 + 0.0999*s23"]

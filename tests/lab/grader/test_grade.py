@@ -95,6 +95,7 @@ def test_the_scaras_table_jacobian_and_determinant_are_right(scara):
     assert not wrong_entries(scara, "J")
 
 
+@pytest.mark.slow
 def test_erratum_17_the_legs_table(leg):
     assert [place for place in leg if place.startswith("row")] == ["row 2", "row 3", "row 4"]
 
@@ -138,6 +139,7 @@ def test_erratum_21_the_legs_jacobian(leg, name):
         assert "+ 1 should not be there" in leg["J (1, 2)"][0]
 
 
+@pytest.mark.slow
 def test_every_wrong_entry_of_the_leg_is_in_one_finding():
     findings = grade(LEG_B, read_printed(HERE / "printed" / "report_b_leg.toml"))
     entries = [(f.matrix, entry) for f in findings for entry in f.entries]

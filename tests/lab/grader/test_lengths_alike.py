@@ -100,6 +100,7 @@ def test_numbers_are_right_as_numbers(height):
     assert said({"P04": (*P04[:2], (height,))}) == []
 
 
+@pytest.mark.slow
 def test_a_number_beside_the_symbol_of_the_same_length_is_right():
     determinant = "L2*100*s3*(50 + 100*c2 + 100*c23)"
     (right,) = (s for s in (determinant, "-" + determinant) if not said({"detJ": ((s,),)}))
@@ -144,6 +145,7 @@ def test_names_that_begin_at_zero_are_read_so():
     )
 
 
+@pytest.mark.slow
 def test_one_name_may_stand_for_two_equal_lengths():
     symbols = {"L1": 50.0, "L2": 100.0}
     assert said({"P04": with_names(P04, L3="L2")}, symbols=symbols) == []

@@ -286,6 +286,7 @@ def test_advice_is_what_a_text_says(graded, text, said):
     assert "[" not in finding.remedy
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "line", ["a" + " " * 500_000 + "b", "a = " + " " * 500_000 + "b", "x " * 10_000, "[" * 200_000]
 )

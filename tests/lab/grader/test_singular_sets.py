@@ -15,6 +15,7 @@ def graded(singular, robot=LEG_B, settings=LEG):
     return grade(robot, printed_of_document({**settings, "singular": singular}, "print.toml"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "singular",
     [
@@ -50,6 +51,7 @@ def test_a_definition_may_stand_for_a_factor():
     assert graded(r"s3 = 0 or \rho = 0", settings=settings) == []
 
 
+@pytest.mark.slow
 def test_report_as_claim_leaves_a_family_out():
     """Erratum 10."""
     (finding,) = graded(r"\theta_3 = k\pi, k \in \mathbb{Z}", LEG_A)
@@ -75,6 +77,7 @@ def test_half_a_family_is_not_all_of_it():
     assert remedies == {"add q3 = kπ", "add L1 + L2*cos(q2) + L3*cos(q2 + q3) = 0"}
 
 
+@pytest.mark.slow
 def test_a_set_without_postures_is_named():
     assert graded("cos(q2) = 3")[0].fault == "no posture was found at which cos(q2) = 3"
 
@@ -131,6 +134,7 @@ def test_sets_are_read_from_csv_and_must_be_text():
         graded(3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "equation",
     [
@@ -153,6 +157,7 @@ def test_one_symbol_may_stand_for_two_equal_lengths(equation):
     assert graded(f"q3 = kπ or {equation}", settings=settings) == []
 
 
+@pytest.mark.slow
 def test_a_factor_has_the_names_of_its_lengths():
     settings = {**LEG, "symbols": {"L_coxa": 50, "L_femur": 100, "L_tibia": 100}}
     (finding,) = graded("θ3 = kπ", settings=settings)
@@ -164,6 +169,7 @@ def test_bare_numbers_are_degrees_where_angles_are(angle):
     assert graded(f"{angle}; L1 + L2 cosd(q2) + L3 cosd(q2 + q3) = 0") == []
 
 
+@pytest.mark.slow
 def test_bare_numbers_are_radians_where_no_unit_is_said():
     settings = {"lengths": "mm", "symbols": LEG["symbols"]}
     assert graded("q3 = 3.14159k or L1 + L2 c2 + L3 c23 = 0", settings=settings) == []
@@ -171,6 +177,7 @@ def test_bare_numbers_are_radians_where_no_unit_is_said():
     assert "write 180° for 180" in fault.remedy
 
 
+@pytest.mark.slow
 def test_postures_are_in_degrees():
     (finding, _) = graded("q3 = 90 or L1 + L2 c2 + L3 c23 = 0")
     assert "q3 = 90° the determinant is not zero" in finding.fault

@@ -68,6 +68,7 @@ def answered(parts):
         return [str(error)]
 
 
+@pytest.mark.slow
 def test_any_text_is_answered_in_a_sentence():
     for text in seeded_texts(100):
         for parts in (

@@ -45,6 +45,7 @@ def test_a_wrong_entry_is_seen(entry, monkeypatch):
     assert min(compared.from_chain, compared.from_drake) > 0.1
 
 
+@pytest.mark.slow
 def test_an_equation_names_a_matrix_or_is_a_text_with_an_equals_sign():
     for item in (item for chapter in chapters() for item in chapter.items if item.equations):
         known = comparisons(SUBJECTS[item.subject])

@@ -44,6 +44,7 @@ def pixels(found):
     return np.asarray(Image.open(io.BytesIO(base64.b64decode(found))).convert("RGBA"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["frames", "map"])
 def test_every_element_of_a_figure_is_in_the_page_where_it_was(drawn, name):
     seen = [e for e in elements(drawn[name]) if not re.search("rdf|dc/|creativecommons", e.tag)]

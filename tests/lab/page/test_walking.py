@@ -12,6 +12,7 @@ def walk():
     return run("hexapod", duration=2.5)
 
 
+@pytest.mark.slow
 def test_standing_and_swinging_legs_do_all_the_work(walk):
     recording = walk.recording
     found = shares(walk.robot, recording, 1.0)

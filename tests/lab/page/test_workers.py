@@ -90,6 +90,7 @@ with working(1) as workers:
 """
 
 
+@pytest.mark.slow
 def test_a_script_needs_no_guard(tmp_path):
     """Python would run it again in every worker, and fail."""
     script = tmp_path / "script.py"

@@ -80,6 +80,7 @@ def test_every_run_leaves_its_figures(name):
     assert list(figures_of(name, **changes)) == FIGURES[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pendulum-spring", "leg-b", "scara"])
 def test_every_figure_has_a_title_and_axes_with_units(name):
     for draw in figures_of(name).values():
@@ -249,6 +250,7 @@ def test_the_pendulums_angle_is_drawn_with_degrees_and_where_it_rests():
     assert "[deg]" in [child.get_ylabel() for child in axes.child_axes]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seconds", [5.0, pytest.param(8.0, marks=pytest.mark.slow)])
 def test_a_pendulum_that_is_still_on_its_way_is_not_said_to_be_near_its_rest(seconds):
     kind = RUNS["pendulum-damped"]
@@ -281,6 +283,7 @@ def test_a_free_pendulum_has_no_rest_but_a_constant_amplitude_and_a_period():
     assert f"period {outcome.summary['exact_period_s']:.4f} s" in text
 
 
+@pytest.mark.slow
 def test_no_constant_amplitude_is_claimed_of_a_swing_that_dies_away():
     recording = outcome_of("pendulum-damped", duration=3.0).recording
     assert texts(pendulum_figures.angle(recording, "title")) == []
@@ -347,6 +350,7 @@ def test_motion_that_goes_on_is_not_magnified():
     assert all(marks(axes) for axes in figure.axes[:2])
 
 
+@pytest.mark.slow
 def test_nothing_written_on_a_figure_of_rest_lies_on_its_inset():
     for name in ("pendulum-damped", "pendulum-spring"):
         figure = figures_of(name, **AT_REST)["angle"]()
@@ -388,6 +392,7 @@ def dying():
             yield pytest.param(rest, *way, marks=() if fast else pytest.mark.slow)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rest", "start", "rate"), list(dying()))
 def test_any_motion_that_dies_away_can_be_drawn_and_nothing_lies_on_the_inset(rest, start, rate):
     time = np.linspace(0.0, 30.0, 1001)
@@ -431,6 +436,7 @@ def test_curves_differ_in_colour_and_in_dashes():
     assert len({line.get_linestyle() for line in lines}) == 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "duration"),
     [
@@ -468,6 +474,7 @@ def test_a_figure_is_saved_with_the_same_bytes_every_time_whatever_other_formats
         assert paths[ending].read_bytes() == (tmp_path / f"step.{ending}").read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [pytest.param("leg-b", marks=pytest.mark.slow), "scara", "pendulum-spring"]
 )
@@ -483,6 +490,7 @@ def test_every_colour_of_a_figure_has_one_for_the_dark(name):
         assert themed.index("prefers-color-scheme: dark") < themed.index("<defs>")
 
 
+@pytest.mark.slow
 def test_drawing_leaves_matplotlibs_settings_alone(tmp_path):
     before = {key: mpl.rcParams[key] for key in STYLE}
     save(figures_of("leg-b")["foot_position"](), tmp_path, "foot_position")
@@ -520,6 +528,7 @@ def test_of_two_velocities_that_stay_zero_both_are_seen():
     assert min(seen) > 0.8 * max(seen) > 100
 
 
+@pytest.mark.slow
 def test_the_joints_of_an_arm_of_seven_are_all_drawn_and_told_apart():
     robot, q = POSTURES["seven"]
     outcome = run_robot(robot, StraightOptions(q0=np.degrees(q).tolist(), duration=0.2))
@@ -553,6 +562,7 @@ def test_joints_that_slide_have_figures_of_their_own():
     assert named["joint_forces"]().axes[0].get_ylabel() == "computed force [N]"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "moving", [1, *(pytest.param(moving, marks=pytest.mark.slow) for moving in (5, 30))]
 )

@@ -55,6 +55,7 @@ def figure_of(name):
     return free_body(DRAWN[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_label_hides_another_or_leaves_the_figure(name):
     figure = figure_of(name)
@@ -135,6 +136,7 @@ def _laid_out(figure):
     return figure.axes
 
 
+@pytest.mark.slow
 def test_lengths_are_the_robots_own():
     shown = [t.get_text() for t in texts(free_body(hexabot_leg("B", l1=0.06, l3=0.125)))]
     assert "$l_1$ = 60" in shown
@@ -160,6 +162,7 @@ SOME_CHAINS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SOME_CHAINS)
 def test_the_labels_of_any_chain_hide_none_and_stay_inside(name):
     figure = chain_figure(name)

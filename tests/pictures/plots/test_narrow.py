@@ -109,6 +109,7 @@ def overlapping(boxes):
             yield first, second
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("drawn", DRAWN)
 def test_nothing_that_is_written_hides_anything_or_leaves_the_figure(drawn):
     for name, draw in drawn():
@@ -128,6 +129,7 @@ def test_the_figures_are_many():
     assert len([*of_postures(), *(one for name in RUNS for one in of_run(name, 0.1))]) > 50
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["singular_postures", "singular_feet"])
 def test_the_axes_of_a_figure_in_space_stay_named(kind):
     figure = fitted(maps_of_posture(LEG_A, (1.57, 0.87, 1.57))[kind])
@@ -140,6 +142,7 @@ def test_the_axes_of_a_figure_in_space_stay_named(kind):
         assert box.y0 > 0.0
 
 
+@pytest.mark.slow
 def test_letters_stay_as_large_and_curves_as_they_are():
     outcome = outcome_of("leg-b")
     named = dict(figures_of_run("foot", "leg B", outcome.robot, outcome.recording, outcome.summary))
@@ -154,6 +157,7 @@ def test_letters_stay_as_large_and_curves_as_they_are():
     assert [t.get_text() for t in slim.axes[0].get_legend().get_texts()] == ["x", "y", "z"]
 
 
+@pytest.mark.slow
 def test_a_long_claim_is_divided_between_words_but_not_in_a_formula():
     figure, (axes,) = new_figure("title")
     words = "where $a + b = c + d + e$ everything is as long as it is said to be here, and longer"
@@ -170,6 +174,7 @@ def test_a_long_claim_is_divided_between_words_but_not_in_a_formula():
     assert not text.get_window_extent().overlaps(axes.get_legend().get_window_extent())
 
 
+@pytest.mark.slow
 def test_what_does_not_fit_is_not_broken_inside_a_word_or_a_formula():
     figure, (axes,) = new_figure("title")
     formula = "$" + " + ".join(12 * ["l_{234} c_{234}"]) + "$"
@@ -182,6 +187,7 @@ def test_what_does_not_fit_is_not_broken_inside_a_word_or_a_formula():
     assert f"{30 * 'long'}-{30 * 'word'}" in lines
 
 
+@pytest.mark.slow
 def test_views_side_by_side_come_one_above_the_other():
     side, top = fitted(lambda: free_body(SCARA)).axes
     assert side.bbox.y0 > top.bbox.y1

@@ -26,6 +26,7 @@ def texts_of(outcome, name):
     return [text.get_text() for axes in drawn[name]().axes for text in axes.texts]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "holds"),
     [

@@ -42,6 +42,7 @@ def test_a_curve_that_leaves_the_map_leaves_a_gap():
         assert np.nanmax(steps) < 30.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("robot", "q", "names"),
     [
@@ -90,6 +91,7 @@ def test_a_posture_is_marked_in_the_map_whatever_its_turns(turns):
         np.testing.assert_allclose(np.ravel(places), [90.0, -50.0, -90.0][-len(places) :])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("posture", "panel"), [((90, -50, -90), 0), ((90, 130, 10), 1)])
 def test_a_posture_is_marked_where_its_own_singular_value_is_drawn(posture, panel):
     q = np.radians(posture)
@@ -106,6 +108,7 @@ def test_a_posture_is_marked_where_its_own_singular_value_is_drawn(posture, pane
     assert drawn == pytest.approx(sigma, abs=3.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lengths", [{}, {"l3": 0.06}, {"l1": 0.02, "l2": 0.15, "l3": 0.05}])
 def test_the_edges_in_the_leg_s_plane_are_where_the_leg_is_singular(lengths):
     """Each point drawn is a foot of a posture that is stretched, folded or on the hip axis."""
@@ -133,6 +136,7 @@ def test_other_robots_have_none_and_are_told_what_to_do():
         maps_of_posture(PENDULUM, [0.5])
 
 
+@pytest.mark.slow
 def test_a_map_is_small_and_has_a_dark_side(tmp_path):
     draw = maps_of_posture(LEG_B, START)["singular_postures"]
     paths = save(draw(), tmp_path, "map", ["svg"])

@@ -43,6 +43,7 @@ def lines_of(axes, colour, style=None):
     ]
 
 
+@pytest.mark.slow
 def test_every_figure_has_a_title_and_units(figures):
     assert list(figures) == [
         "gait", "foot_paths", "support", "margins", "contact_forces", "servo_limits",

@@ -142,6 +142,7 @@ FV = {FV1}
 SQUARES = st.floats(0.01, 1.0)
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(
     squares=st.tuples(SQUARES, SQUARES, SQUARES),

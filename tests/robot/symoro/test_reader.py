@@ -281,6 +281,7 @@ def edited(text, edits):
     return text
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(edits=EDITS, base=st.sampled_from([ARM, TREE, LOOP]))
 def test_whatever_is_done_to_a_file_it_is_read_or_refused_in_one_sentence(edits, base):

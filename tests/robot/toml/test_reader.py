@@ -392,6 +392,7 @@ def test_a_folder_is_no_robot(tmp_path):
         load_robot(tmp_path)
 
 
+@pytest.mark.slow
 @given(st.text(max_size=200))
 def test_whatever_is_typed_ends_in_a_robot_or_a_sentence(text):
     for candidate in (text, ARM + text, ARM.replace("0.4", text)):

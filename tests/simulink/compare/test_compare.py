@@ -60,6 +60,7 @@ def test_extra_is_the_acceleration_path_and_further_scopes(compared):
     assert not {"Sine Wave", "dy", "dz", "inverseJacobian", "Integrator 1", "leg_b"} & set(extra)
 
 
+@pytest.mark.slow
 def test_cross_sections_colours_and_filters_count_when_strict(compared):
     lax, strict = compared(published_leg()), compared(published_leg(), strict=True)
     kinds = {item["parameter"] for item in lax.tolerated}
@@ -120,6 +121,7 @@ def test_inputs_in_another_order(compared):
     assert compared(model).agrees
 
 
+@pytest.mark.slow
 def test_gain_behind_the_sine_is_one_amplitude(compared):
     model = published_leg(amplitude="7")
     gain = model.add_block("Gain", "Gain", {"Gain": "10"}, ports={"in": 1, "out": 1})
@@ -246,6 +248,7 @@ def test_a_half_drawn_as_two_transforms(compared):
     assert compared(model).agrees
 
 
+@pytest.mark.slow
 def test_joint_frames_turned_about_their_axis(compared):
     model = published_leg()
     joint = model.sid("Revolute Joint1")
@@ -334,12 +337,14 @@ def test_options_make_the_diagram_match(compared):
     assert compared(model, amplitude=0.05, q0=[90.0, -45.0, -90.0]).agrees
 
 
+@pytest.mark.slow
 def test_other_lengths(compared):
     model = published_leg(lengths=(60, 100, 120))
     assert not compared(model).agrees
     assert compared(model, l1=0.06, l3=0.12).agrees
 
 
+@pytest.mark.slow
 def test_slip_in_the_jacobian_names_the_entry(compared):
     slip = JACOB_INV.replace("cos(q1)*r, -sin(q1)*h,", "cos(q1)*r, sin(q1)*h,")
     found = compared(published_leg(script=slip))
@@ -348,6 +353,7 @@ def test_slip_in_the_jacobian_names_the_entry(compared):
     assert found.different[0]["simulink"] == pytest.approx(-found.different[0]["drake"])
 
 
+@pytest.mark.slow
 def test_wrong_length_in_the_function_alone(compared):
     model = published_leg(script=JACOB_INV.replace("{0}", "60"))
     found = compared(model)
@@ -406,6 +412,7 @@ def test_scope_of_what_is_not_recorded(compared):
     assert "rates" in names(missing)
 
 
+@pytest.mark.slow
 def test_positions_taken_from_the_integrators(compared):
     model = published_leg()
     mux = model.sid("Mux")
@@ -651,6 +658,7 @@ def test_a_gain_before_another_law_is_seen(compared):
     ]
 
 
+@pytest.mark.slow
 def test_the_order_of_the_inputs_of_another_law_is_its_own(compared):
     model = published_leg(script=ANOTHER_LAW)
     mux = model.sid("Mux")
@@ -680,6 +688,7 @@ def test_one_factor_of_all_lengths_is_one_difference(compared, factor):
     assert bodies["Spherical Solid"] == "body 'foot'"
 
 
+@pytest.mark.slow
 def test_lengths_of_another_leg_in_metres(compared):
     model = times(published_leg(lengths=(25, 50, 100), amplitude="50", stop_time="10"), 1000.0)
     options = {"amplitude": 0.05, "duration": 10.0}
@@ -693,6 +702,7 @@ def test_lengths_of_another_leg_in_metres(compared):
     assert (bodies["Brick Solid2"], bodies["Spherical Solid"]) == ("body 'tibia'", "body 'foot'")
 
 
+@pytest.mark.slow
 def test_one_other_length_is_no_scale(compared):
     found = compared(published_leg(lengths=(60, 100, 100)))
     assert "scale" not in {item["what"] for item in found.different}
@@ -732,6 +742,7 @@ def test_thighs_in_subsystems(compared):
     assert found.agrees, (found.missing, found.different)
 
 
+@pytest.mark.slow
 def test_selector_takes_what_it_says(compared):
     model = published_leg()
     function, demux = model.sid("MATLAB Function"), model.sid("Demux")
@@ -765,6 +776,7 @@ def test_motion_in_a_unit_of_something_else(compared, unit):
     assert ("Simulink-PS Converter3", "Unit") in differences(compared(model))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("priority", "agrees"), [("High", False), ("Low", True)])
 def test_state_target_beside_a_motion(compared, priority, agrees):
     target = {"PositionTargetSpecify": "on", "PositionTargetValue": "80"}
@@ -824,6 +836,7 @@ def test_sensor_that_pulls(compared):
     assert differences(found) == [("6-DOF Joint", "PxSpringStiffness")]
 
 
+@pytest.mark.slow
 def test_function_without_an_inverse(compared):
     transposed = published_leg(script=JACOB_INV.replace("inv(J)*", "J'*"))
     found = compared(transposed)
@@ -861,6 +874,7 @@ def test_all_joints_exchanged(compared):
     assert {parameter for _, parameter in differences(compared(model))} == {"base and follower"}
 
 
+@pytest.mark.slow
 def test_a_long_row_of_gains(compared):
     model = published_leg()
     for index in range(400):
@@ -880,6 +894,7 @@ def test_numbers_that_make_no_sense_are_a_sentence(compared, block, changes):
         compared(published_leg().set(block, **changes))
 
 
+@pytest.mark.slow
 def test_counts_that_no_model_has(compared):
     assert not compared(published_leg().set("Demux", Outputs="1e9")).agrees
     compared(published_leg().set("Mux", Inputs="1e9"))

@@ -28,6 +28,7 @@ def lines_run(work):
     return count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("draw", "size"),
     [

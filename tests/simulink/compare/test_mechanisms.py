@@ -26,6 +26,7 @@ def changed(found):
     return sorted((item["name"], item["parameter"]) for item in found.different)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("legs", "order"), [(1, lambda model: model), (5, drawn_first_last)], ids=["after", "before"]
 )
@@ -70,6 +71,7 @@ def without_reference(model, brick):
     model.set(brick, SerializedFrames=f"<Frames>{both}</Frames>", DoExposeReferenceFrame="off")
 
 
+@pytest.mark.slow
 def test_a_link_between_frames_of_its_solids_own(compared):
     model = published_leg()
     near, far = model.sid("Rigid Transform2"), model.sid("Rigid Transform3")
@@ -162,6 +164,7 @@ POSITIONS = {
 }
 
 
+@pytest.mark.slow
 def test_a_bushing_joint_is_a_sensor(compared):
     model = without_rotation(with_sensor(published_leg(), BUSHING, **POSITIONS))
     found = compared(model)
@@ -220,6 +223,7 @@ def with_a_joint_before(model, name, joint="sm_lib/Joints/Prismatic Joint"):
     return model
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("before", LEG)
 def test_a_joint_too_many_is_one_finding(compared, before):
     found = compared(with_a_joint_before(published_leg(), before))

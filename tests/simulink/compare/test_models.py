@@ -202,6 +202,7 @@ def legs(order, *, length=0.1, wrong=None):
     return model
 
 
+@pytest.mark.slow
 def test_six_legs_in_any_order_and_by_any_names(compared):
     found = compared(legs((1, 2, 3, 4, 5)), renamed(legs((4, 2, 5, 1, 3))))
     assert found.agrees, (found.different, found.missing)
@@ -270,6 +271,7 @@ def pushed(place="Rigid Transform3", value="1"):
     return model
 
 
+@pytest.mark.slow
 def test_a_force_at_another_place(compared):
     assert compared(pushed(), renamed(pushed())).agrees
     (one,) = compared(pushed("Rigid Transform2"), pushed()).different

@@ -24,6 +24,7 @@ from drake_leg.simulink.dynamics.contact import ContactLaw
 from drake_leg.simulink.dynamics.shapes import Ball, Barrel, Box, Ground, Hull, Rim
 
 
+@pytest.mark.slow
 def test_a_ball_bounces_as_its_equation_says(tmp_path):
     built = falling(0.15)
     system = dynamics(built, tmp_path)
@@ -44,6 +45,7 @@ def test_a_ball_bounces_as_its_equation_says(tmp_path):
     assert sensed(system, context, built, "Contact rconn:2") == pytest.approx(state[6] - 0.1)
 
 
+@pytest.mark.slow
 def test_a_sliding_ball_ends_rolling_with_five_sevenths_of_its_speed(tmp_path):
     depth = 41.0792 / 1e4
     more = {"PxVelocityTargetSpecify": "on", "PxVelocityTargetValue": "0.7"}

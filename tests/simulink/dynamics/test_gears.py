@@ -107,6 +107,7 @@ def test_gears_have_their_ratio_and_pass_on_power(tmp_path, kind, texts, place, 
     assert ratio(built, tmp_path) == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_planets_keep_their_energy_and_their_ratio(tmp_path):
     built = with_gravity(MechanismBuilder(), GravityVector="[0 -9.81 0]")
     built.joint("Revolute", "Arm", PositionTargetSpecify="on", PositionTargetValue="20")

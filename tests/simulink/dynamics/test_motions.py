@@ -52,6 +52,7 @@ def cart(**texts):
     return built
 
 
+@pytest.mark.slow
 def test_a_driven_carriage_swings_its_pendulum(tmp_path):
     built = wired(cart(**DRIVEN, SenseTorqueForce="on"), "Rail", "lconn:2", "rconn:2")
     wired(built, "Pivot", "rconn:2")
@@ -157,6 +158,7 @@ def four_bar_in_motion(**texts):
     return built
 
 
+@pytest.mark.slow
 def test_a_four_bar_moves_as_its_one_equation_says(tmp_path):
     hand = FourBar()
     built = four_bar_in_motion(SensePosition="on", SenseVelocity="on")

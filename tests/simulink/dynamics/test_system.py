@@ -14,6 +14,7 @@ ABOUT_END = 0.4 * (1.0**2 + 0.02**2) / 12.0 + 0.4 * 0.5**2  # of the rod [kg*m^2
 WEIGHT = 0.4 * GRAVITY * 0.5  # its greatest moment [N*m]
 
 
+@pytest.mark.slow
 def test_a_pendulum_is_where_its_equation_says(tmp_path):
     texts = {
         "SpringStiffness": "2", "SpringStiffnessUnits": "N*m/rad",
@@ -84,6 +85,7 @@ def test_a_motion_is_followed_and_its_torque_is_inverse_dynamics(tmp_path):
     assert sensed(system, context, built, "Pivot rconn:2") == pytest.approx(torque)
 
 
+@pytest.mark.slow
 def test_a_four_bar_keeps_its_loop_closed_and_its_energy(tmp_path):
     texts = {"PositionTargetSpecify": "on", "PositionTargetValue": "60"}
     built = with_gravity(four_bar(**texts), GravityVector="[0 -9.81 0]")
@@ -95,6 +97,7 @@ def test_a_four_bar_keeps_its_loop_closed_and_its_energy(tmp_path):
     assert energy(system, context) == pytest.approx(start, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_a_loop_that_cannot_be_closed_is_refused(tmp_path):
     system = dynamics(four_bar(ground=2.0), tmp_path)
     with pytest.raises(InvalidValueError, match=r"'D' stay .* open at the start"):

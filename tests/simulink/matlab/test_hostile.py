@@ -52,6 +52,7 @@ def survives(attempt):
     assert 0 < len(said) < 1000
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(TEXTS)
 def test_random_words_as_a_value(text):
@@ -64,6 +65,7 @@ def test_random_signs_as_a_value(text):
     survives(lambda: value(text))
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(TEXTS)
 def test_random_words_as_a_script(text):
@@ -71,6 +73,7 @@ def test_random_words_as_a_script(text):
     survives(lambda: program(text).call(1.0))
 
 
+@pytest.mark.slow
 @settings(max_examples=50, deadline=None)
 @given(TEXTS)
 def test_random_words_as_a_script_that_is_compiled(text):
@@ -81,6 +84,7 @@ def test_the_good_script_is_good():
     assert len(program(SCRIPT).call([1.0, 2.0, 3.0], [4.0, 5.0, 6.0])) == 2
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(st.data())
 def test_a_good_script_with_faults(data):
@@ -180,6 +184,7 @@ def _frames():
     return frames
 
 
+@pytest.mark.slow
 def test_the_interpreter_runs_no_python():
     """No file of the room names eval, exec, compile, __import__, open or getattr.
 

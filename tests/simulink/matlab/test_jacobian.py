@@ -89,6 +89,7 @@ def signals(rng, count=200):
     return q, rng.uniform(-70.0, 70.0, (count, 3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", [STEP_BY_STEP, WRITTEN_OUT, PRODUCT_OF_TRANSFORMS, BY_ELEMENTS])
 def test_the_labs_inverse_jacobian_in_several_hands(code, rng):
     function = program(code)

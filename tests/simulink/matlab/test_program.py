@@ -254,6 +254,7 @@ def test_arguments_that_are_no_numbers_are_refused():
         program("function y = f(u)\ny = u;").call("x")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "loop",
     [

@@ -32,6 +32,7 @@ def test_a_four_bar_closes_where_its_triangles_do(tmp_path, degrees):
     assert abs(coupler) == pytest.approx(at_coupler, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_targets_give_way_where_they_contradict_each_other(tmp_path):
     texts = {"PositionTargetSpecify": "on", "PositionTargetValue": "40"}
     built = four_bar(**texts).set("B", **texts).set("C", **texts)
@@ -41,6 +42,7 @@ def test_targets_give_way_where_they_contradict_each_other(tmp_path):
     assert np.abs(q - assembly.targets[:3]).max() > 1e-3
 
 
+@pytest.mark.slow
 def test_what_cannot_close_says_how_far_it_is_apart(tmp_path):
     _, gap = Assembly(four_bar(ground=2.0).mechanism(tmp_path)).closed()
     assert gap > 0.5

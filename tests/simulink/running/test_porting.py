@@ -93,6 +93,7 @@ def test_a_replaced_block(tmp_path):
     require_same(*both(charted(), tmp_path, 1.0, replace=replaced)[:2])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["torque", "motion"])
 def test_a_mechanism_that_is_driven_and_sensed(tmp_path, mode):
     modes = {

@@ -20,6 +20,7 @@ def sine(rig, frequency="3"):
     return rig.block("Sin", f"sine {len(rig.blocks)}", Frequency=frequency)
 
 
+@pytest.mark.slow
 def test_integrators_and_linear_systems_follow_their_equations(tmp_path):
     rig = Rig()
     u = sine(rig)
@@ -57,6 +58,7 @@ def test_integrators_and_linear_systems_follow_their_equations(tmp_path):
     assert limited[-1] == pytest.approx(0.4 - (integral.max() - integral[-1]), abs=1e-5)
 
 
+@pytest.mark.slow
 def test_a_pid_controller_follows_its_equation(tmp_path):
     rig = Rig()
     rig.show(
@@ -206,6 +208,7 @@ def test_a_stop_block_ends_the_run(tmp_path):
     assert "the block 'enough' stops it" in run.stopped
 
 
+@pytest.mark.slow
 def test_a_run_that_grows_without_bound_stops_and_keeps_what_it_has(tmp_path):
     rig = Rig()
     integrator = rig.block("Integrator", "x", "", InitialCondition="1")
@@ -247,6 +250,7 @@ def test_a_mechanism_and_signals_lack_things_in_one_list(tmp_path):
     assert "unknown_length" in str(error.value)
 
 
+@pytest.mark.slow
 def test_a_mechanism_that_only_follows_motions_is_not_integrated(tmp_path):
     """The lab's own leg, from its file, is where its kinematics say that its joints put it."""
     path = published_leg(filtered=True, stop_time="0.05").write(tmp_path / "leg.slx")
@@ -288,6 +292,7 @@ def foot_of(run):
     return [each.name for each in feet], np.column_stack([each.values[:, 0] for each in feet])
 
 
+@pytest.mark.slow
 def test_a_stiff_mechanism_is_integrated_implicitly(tmp_path):
     """A pendulum in a damper creeps: explicit steps would be some microseconds long."""
     texts = {
@@ -304,6 +309,7 @@ def test_a_stiff_mechanism_is_integrated_implicitly(tmp_path):
     assert run.steps < 2000
 
 
+@pytest.mark.slow
 def test_contact_is_integrated_implicitly(tmp_path):
     """A ball that was dropped lies still, as deep in the floor as its weight presses it."""
     run = run_model(runnable(falling(0.12).model(tmp_path), duration=2.0))

@@ -107,6 +107,7 @@ def test_statements(body, daring, monkeypatch):
         assert "def entry" in function.source
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "seeds", [range(3), pytest.param(range(100, 150), marks=pytest.mark.slow)], ids=["few", "many"]
 )
