@@ -14,6 +14,7 @@ class _Chart:
     number: str  # as at the end of the S-Function's tag
     names: frozenset[str]
     script: str
+    parameters: tuple[str, ...]  # names of its data that are parameters of the block
     is_function: bool  # a whole MATLAB function, not a state machine with functions inside
 
 
@@ -32,6 +33,11 @@ class Charts:
         """Return the code of a MATLAB Function block; "" where the file has none, or several."""
         fits = _fitting(path, name, tag, [chart for chart in self._charts if chart.script])
         return fits[0].script if fits else ""
+
+    def parameters(self, path: str, name: str, tag: str) -> tuple[str, ...]:
+        """Return the arguments of a MATLAB Function block's code that are no inputs."""
+        fits = _fitting(path, name, tag, [chart for chart in self._charts if chart.script])
+        return fits[0].parameters if fits else ()
 
 
 def _charts(roots: list[Element]) -> list[_Chart]:
@@ -55,6 +61,11 @@ def _charts(roots: list[Element]) -> list[_Chart]:
                     number=texts.get("chartFileNumber", ""),
                     names=frozenset(names),
                     script=script,
+                    parameters=tuple(
+                        data.get("name", "")
+                        for data in chart.iter("data")
+                        if parameters(data).get("scope") == "PARAMETER_DATA"
+                    ),
                     is_function=bool(script) and _is_function(chart, texts.get("type")),
                 )
             )

@@ -179,7 +179,14 @@ class _Walk:
             found.blocks[block.sid] = block
             if chart == MATLAB_FUNCTION:
                 script = place.file.charts.script(*names)
-                found.functions.append(Function(sid=block.sid, name=block.name, script=script))
+                found.functions.append(
+                    Function(
+                        sid=block.sid,
+                        name=block.name,
+                        script=script,
+                        parameters=place.file.charts.parameters(*names),
+                    )
+                )
         within = replace(
             place,
             sid=block.sid,
@@ -283,6 +290,9 @@ def _drawn_block(element: Element, place: _Place) -> DrawnBlock:
     for child in element:
         if child.tag == "InstanceData":
             texts |= parameters(child)
+        if child.get("ListType") == "InterfaceData":  # of a port of one element of a bus
+            own = parameters(child)
+            texts |= {"Port": own.get("PortNumber", "1")} | own
     return DrawnBlock(
         sid=place.prefix + sid,
         name=name,

@@ -108,6 +108,7 @@ class Function:
     sid: str  # of its block
     name: str  # of its block
     script: str
+    parameters: tuple[str, ...] = ()  # arguments that are no inputs, where the file tells
 
 
 @dataclass(frozen=True, kw_only=True)

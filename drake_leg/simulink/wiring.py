@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from drake_leg.errors import InvalidValueError
@@ -22,8 +22,9 @@ def flatten(model: Model, *, gates: bool = False) -> Model:
     Subsystems, virtual or atomic, go with their Inport, Outport and Connection Port blocks, and so
     do Goto, From, Connection Labels and Simscape Buses. Inport and Outport blocks of the top stay.
     Wires have the name that is nearest to their target. `Block.system` still tells where a block
-    was. With ``gates``, the Outports of subsystems that are enabled, triggered or chosen stay, too:
-    they hold what they put out last.
+    was. Ports of one element of a bus stay: an Inport takes it out, and the first Outport of a port
+    joins all. With ``gates``, the Outports of subsystems that are enabled, triggered or chosen
+    stay, too: they hold what they put out last.
 
     Raises
     ------
@@ -58,9 +59,27 @@ def _is_open(block: Block) -> bool:
     return block.type == "SubSystem" and block.parameters.get("SFBlockType") == "NONE"
 
 
+def is_of_bus(block: Block) -> bool:
+    """Tell whether it is a port of one element of a bus; several of them share one port."""
+    return bool(element_of(block)) and block.type in ("Inport", "Outport")
+
+
+def element_of(block: Block) -> str:
+    """Return the element of the bus that a port takes, ``leg.knee``; "" where it takes all."""
+    texts: Mapping[str, str] = getattr(block.parameters, "texts", {})
+    return texts.get("Element", "").strip()
+
+
+def _place_in_bus(block: Block) -> int:
+    text = getattr(block.parameters, "texts", {}).get("PortBlockIndex", "")
+    return int(text) if text.isdecimal() else 1
+
+
 def _is_leaf(block: Block, gated: Container[str] = ()) -> bool:
     if block.type == "Outport" and block.system in gated:
         return True
+    if block.system and is_of_bus(block):
+        return block.type == "Inport" or _place_in_bus(block) == 1
     if block.type in ("Inport", "Outport") or block.kind in _CONNECTION_PORTS:
         return not block.system
     if block.type == _BUS:
@@ -77,7 +96,7 @@ class _Signals:
         self._ports = {
             (block.system, block.type, block.parameters.get("Port")): block
             for block in model.blocks
-            if block.type in ("Inport", "Outport")
+            if block.type in ("Inport", "Outport") and (not is_of_bus(block) or _is_leaf(block))
         }
         self._gotos: dict[str, list[Block]] = {}
         for block in model.blocks:
@@ -94,12 +113,25 @@ class _Signals:
             target = wire.target
             if _is_open(block) and kind in _GATES:
                 target = self._gate(block, kind)
+            elif block.type == "Outport" and block.system and is_of_bus(block):
+                first = self._ports[block.system, "Outport", block.parameters.get("Port")]
+                target = f"{first.sid}#in:{_place_in_bus(block)}"
             elif not _is_leaf(block, self._gated):
                 continue
             source, name = self._origin(wire)
+            if block.type == "Outport" and is_of_bus(block):
+                name = element_of(block)
             if source:
                 found.append(SignalWire(source=source, target=target, name=name))
-        return tuple(found)
+        return (*found, *self._into_elements())
+
+    def _into_elements(self) -> Iterator[SignalWire]:
+        """Yield the wires into ports of one element of a bus, from the bus."""
+        for block in self._blocks.values():
+            if block.type == "Inport" and block.system and is_of_bus(block):
+                source, name = self._origin(self._drivers.get(self._behind(block, 1)))
+                if source:
+                    yield SignalWire(source=source, target=f"{block.sid}#in:1", name=name)
 
     def _gate(self, subsystem: Block, kind: str) -> str:
         for block in self._blocks.values():
@@ -126,7 +158,7 @@ class _Signals:
             if _is_leaf(block, self._gated):
                 return wire.source, name
             held = self._ports.get((sid, "Outport", float(number)))
-            if sid in self._gated and held is not None:
+            if held is not None and _is_leaf(held, self._gated):
                 return f"{held.sid}#out:1", name
             wire = self._drivers.get(self._behind(block, number))
         return "", name

@@ -29,7 +29,7 @@ from drake_leg.simulink.dynamics.solver import Constraint, Solution, Solver
 from drake_leg.simulink.dynamics.welds import Welded
 from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.mechanism import network_of
-from drake_leg.simulink.model import Block, Model
+from drake_leg.simulink.model import Block, Model, split_port
 from drake_leg.simulink.multibody.bodies import Mechanism
 from drake_leg.simulink.multibody.mass import Array
 from drake_leg.simulink.multibody.meshes import FileMeshes
@@ -89,6 +89,18 @@ class Acting:
         except InvalidValueError as error:
             self.problems.append(str(error))
             return otherwise
+
+    def require_finite(self, u: Array) -> None:
+        """Refuse inputs that are not finite, as Drake ends Python at such positions."""
+        if np.isfinite(u).all():
+            return
+        blocks = self.network.blocks
+        names = [
+            f"{blocks[split_port(port)[0]].name!r} ({port})"
+            for port, entries in self.inputs.slices.items()
+            if not np.isfinite(u[entries]).all()
+        ]
+        raise InvalidValueError(f"what enters the mechanism at {', '.join(names)} is not finite")
 
     # --- what is sensed ----------------------------------------------------------------------
 

@@ -66,6 +66,7 @@ class DrivenMechanism(AtPorts, LeafSystem):
 
     def state_at(self, u: Array) -> Array:
         """Return positions and velocities of the plant at inputs."""
+        self._acting.require_finite(u)
         q = self._of_positions @ (u[self._first] - self._offset)
         return np.concatenate([q, self._of_velocities @ u[self._first + 1]])
 

@@ -98,8 +98,10 @@ class MechanismSystem(AtPorts, Diagram):
         Raises
         ------
         InvalidValueError
-            If loops cannot be closed there.
+            If loops cannot be closed there, or an input is not finite.
         """
+        if u is not None:
+            self._acting.require_finite(u)
         plant, state = self._acting.plant, start_of(self._acting, u)
         plant.SetPositionsAndVelocities(plant.GetMyMutableContextFromRoot(context), state)
 
@@ -117,12 +119,12 @@ class MechanismSystem(AtPorts, Diagram):
         own = self.GetMyMutableContextFromRoot(context)
         port = self.GetInputPort("u")
         if self.motions and port.HasValue(own):
+            u = port.Eval(own)
+            self._acting.require_finite(u)
             plant = self._acting.plant
             plant_context = plant.GetMyMutableContextFromRoot(context)
             state = plant.GetPositionsAndVelocities(plant_context)
-            plant.SetPositionsAndVelocities(
-                plant_context, self._acting.joints.followed(state, port.Eval(own))
-            )
+            plant.SetPositionsAndVelocities(plant_context, self._acting.joints.followed(state, u))
 
 
 class _Forces(LeafSystem):

@@ -20,7 +20,7 @@ import numpy as np
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.running import operations
-from drake_leg.simulink.running.network import Node
+from drake_leg.simulink.running.network import Node, program_inputs
 from drake_leg.simulink.running.settings import Settings, Signal, flat, shape_of
 
 CONTINUOUS, MAJOR = -1, -2  # rates besides the sampled ones: always, and at every major step
@@ -136,6 +136,7 @@ class Pen:
         self.shapes = dict(shapes or {})  # of states, by the SID of their block and number
         self.wanted: dict[str, tuple[int, ...]] = {}
         self.resets = False
+        self.open: set[str] = set()  # the model's own ports, where nothing is given
         self.gates_of: dict[str, tuple[str, ...]] = {}  # port -> what lets it run
         self.stores: dict[str, int] = {}  # data stores by name -> slot
         self.initial: dict[str, Signal] = {}  # of outputs that are held, where they are given
@@ -231,6 +232,11 @@ class Writer:
         if port not in self.pen.values:
             raise UnknownShapeError(port)
         return self.pen.values[port]
+
+    def is_open(self, place: int) -> bool:
+        """Tell whether nothing is given at an input: it is 0, as wide as it is needed."""
+        port = self.node.inputs[place] if place < self.count else None
+        return port is None or port in self.pen.open
 
     @property
     def inputs(self) -> list[Operand]:
@@ -387,6 +393,8 @@ class Writer:
         for name in names:
             if len(names) - len(found) <= self.count:
                 break
+            if self.node.parameters and name not in self.node.parameters:
+                continue
             try:
                 found[name] = self.settings.evaluate(name, name)
             except InvalidValueError:
@@ -415,12 +423,6 @@ class Writer:
             )
             section.settle()
             self.pen.sections.append(section)
-
-
-def program_inputs(script: str) -> tuple[str, ...]:
-    """Names of the arguments of the function of a script, read off its head."""
-    head = re.search(r"function[^(\n%]*\(([^)]*)\)", script)
-    return tuple(re.findall(r"\w+", head.group(1))) if head else ()
 
 
 def needed(sections: Sequence[Section], goals: Iterable[str]) -> list[Section]:

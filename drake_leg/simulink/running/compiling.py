@@ -27,7 +27,7 @@ from drake_leg.simulink.running.code import (
 from drake_leg.simulink.running.kinds import Kind, kind_of
 from drake_leg.simulink.running.network import Node, SignalNetwork
 from drake_leg.simulink.running.rates import Rate, Rates
-from drake_leg.simulink.running.settings import Settings, shape_of
+from drake_leg.simulink.running.settings import Settings, shape_of, zero_like
 
 PASSES = 9
 SHOWN = 20  # blocks of a loop in an error
@@ -369,7 +369,7 @@ class _Pass:
                 if section.gates and isinstance(start, bool):
                     start = False
                 elif section.gates and isinstance(start, float | np.ndarray):
-                    start = self.pen.initial.get(name, start * 0.0)
+                    start = self.pen.initial.get(name, zero_like(start))
                 held[name] = self.pen.slot(start)
         return held
 

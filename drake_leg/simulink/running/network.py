@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,6 +26,7 @@ class Node:
     outputs: tuple[str, ...]  # ports, those that nothing reads included
     gates: tuple[str, ...] = ()  # SIDs of the gate blocks of the systems around, outermost first
     script: str = ""  # of a MATLAB Function
+    parameters: tuple[str, ...] = ()  # its arguments that are no inputs, where the file tells
     read: frozenset[str] = frozenset()  # outputs that something reads
     feeds_motion: bool = False  # whether the derivatives of what it puts out are asked for
 
@@ -42,7 +44,31 @@ class SignalNetwork:
     commands: Mapping[str, str]  # port of the mechanism -> port that drives it
     sensed: frozenset[str]  # ports of the mechanism that drive signals
     loops: tuple[Block, ...] = ()  # subsystems that iterate
+    entries: tuple[Block, ...] = ()  # the model's own ports, where nothing is given
     folders: Folders | None = None  # where functions lie in files
+
+
+def selected_names(block: Block) -> list[str]:
+    """Names of what a Bus Selector puts out."""
+    text = str(block.parameters.get("OutputSignals", ""))
+    return [name.strip().rpartition(".")[2] for name in text.split(",")]
+
+
+def program_inputs(script: str) -> tuple[str, ...]:
+    """Names of the arguments of the function of a script, read off its head."""
+    head = re.search(r"function[^(\n%]*\(([^)]*)\)", _joined(script))
+    return tuple(re.findall(r"\w+", head.group(1))) if head else ()
+
+
+def _joined(script: str) -> str:
+    """Put the lines together that a script continues."""
+    return re.sub(r"\.\.\.[^\n]*\n", " ", script)
+
+
+def program_outputs(script: str) -> tuple[str, ...]:
+    """Names of what the function of a script returns, read off its head."""
+    head = re.search(r"^\s*function\s*\[?([^=(\n%\]]*)\]?\s*=", _joined(script), re.MULTILINE)
+    return tuple(re.findall(r"[A-Za-z]\w*", head.group(1))) if head else ()
 
 
 def signal_network(model: Model, motions: frozenset[str] = frozenset()) -> SignalNetwork:
@@ -77,11 +103,23 @@ class _Reading:
         self._names = {wire.target: wire.name for wire in self._flat.wires}
         for node in physical.signals:
             self._drivers |= dict.fromkeys(node[1:], node[0])
+        self._entries = self._undriven_entries()
         self._read = frozenset(self._drivers.values())
         self._gates: dict[str, list[str]] = {}
         for block in self._flat.blocks:
             if block.type in GATES and block.system:
                 self._gates.setdefault(block.system, []).append(block.sid)
+
+    def _undriven_entries(self) -> tuple[Block, ...]:
+        """Find the model's own ports that drive something; a physical one leaves it open."""
+        found: dict[str, Block] = {}
+        for target, source in list(self._drivers.items()):
+            block = self._blocks[split_port(source)[0]]
+            if block.type == "PMIOPort":
+                del self._drivers[target]
+            if block.type in ("PMIOPort", "Inport") and not block.system:
+                found[block.sid] = block
+        return tuple(found.values())
 
     def network(self) -> SignalNetwork:
         nodes = {sid: self._node(self._blocks[sid]) for sid in self._blocks if self._has(sid)}
@@ -98,6 +136,7 @@ class _Reading:
             commands=commands,
             sensed=frozenset(sensed),
             loops=tuple(self._systems[sid] for sid in loops if sid in self._systems),
+            entries=self._entries,
             folders=None if variables is None else variables.workspace.folders,
         )
 
@@ -133,17 +172,33 @@ class _Reading:
         return Node(
             block=block,
             inputs=tuple(self._drivers.get(target) for target in targets),
-            names=tuple(self._names.get(target, "") for target in targets),
+            names=tuple(self._name_at(target, block) for target in targets),
             outputs=outputs,
             gates=self._gates_around(block),
             script=self._scripts.get(block.sid, ""),
+            parameters=self._parameters.get(block.sid, ()),
             read=frozenset(port for port in outputs if port in self._read),
             feeds_motion=self._feeds_motion(block.sid),
         )
 
+    def _name_at(self, target: str, block: Block) -> str:
+        """Name the signal at an input; a bus takes names of outputs, too, as Simulink does."""
+        name = self._names.get(target, "")
+        if name or block.type != "BusCreator" or target not in self._drivers:
+            return name
+        sid, _, number = split_port(self._drivers[target])
+        names = program_outputs(self._scripts.get(sid, ""))
+        if self._blocks[sid].type == "BusSelector":
+            names = tuple(selected_names(self._blocks[sid]))
+        return names[number - 1] if number <= len(names) else ""
+
     @cached_property
     def _scripts(self) -> dict[str, str]:
         return {function.sid: function.script for function in self._model.functions}
+
+    @cached_property
+    def _parameters(self) -> dict[str, tuple[str, ...]]:
+        return {function.sid: function.parameters for function in self._model.functions}
 
     def _feeds_motion(self, sid: str) -> bool:
         """Whether a signal of a block comes to a motion, through physical signals or at once."""

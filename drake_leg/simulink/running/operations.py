@@ -34,6 +34,17 @@ def power(a: float, b: float) -> float:
     return math.nan if isinstance(found, complex) else found
 
 
+def real(value: Signal) -> Signal:
+    """Return what a MATLAB Function puts out; what is complex is no number, as in C made of it."""
+    if isinstance(value, complex):
+        return math.nan if value.imag else value.real
+    if isinstance(value, np.ndarray) and value.dtype.kind == "c":
+        return np.where(value.imag == 0.0, value.real, math.nan)
+    if isinstance(value, dict):
+        return {name: real(each) for name, each in value.items()}
+    return value
+
+
 def _guarded(function: Callable[[float], float], beyond: float) -> Callable[[float], float]:
     """Make a function that is no number where it is not defined, and ``beyond`` where too large."""
 

@@ -109,6 +109,11 @@ def shape_of(value: Signal) -> tuple[int, ...]:
     return value.shape if isinstance(value, np.ndarray) else ()
 
 
+def zero_like(value: Signal) -> Signal:
+    """Return zeros of the shape of a number or an array, whether or not it is finite."""
+    return np.zeros_like(value) if isinstance(value, np.ndarray) else 0.0
+
+
 def flat(value: Signal) -> NDArray[np.float64]:
     """All numbers of a signal, a matrix by columns, a bus by its elements."""
     if isinstance(value, dict):

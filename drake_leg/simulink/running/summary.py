@@ -120,6 +120,13 @@ def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
         yield f"skipped in scripts and callbacks: {'; '.join(skipped[:SHOWN])}{more}"
     if ready.diagram.mechanism is not None and ready.diagram.mechanism.left_out:
         yield f"left out of the mechanism: {_counted(ready.diagram.mechanism.left_out)}"
+    if ready.network.entries:
+        names = ", ".join(block.name for block in ready.network.entries[:SHOWN])
+        more = f" and {len(ready.network.entries) - SHOWN} more"
+        yield (
+            "nothing is given at the model's own ports, which are 0: "
+            f"{names}{more if len(ready.network.entries) > SHOWN else ''}"
+        )
     if "fixed step" in ready.solver:
         yield (
             f"the file's solver takes fixed steps of {ready.solver['fixed step']:g} s; here the "

@@ -12,7 +12,7 @@ from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind, no_inputs
 from drake_leg.simulink.running.kinds.discontinuities import limit_code
 from drake_leg.simulink.running.network import Node
-from drake_leg.simulink.running.settings import Settings, Signal, shape_of
+from drake_leg.simulink.running.settings import Settings, Signal, shape_of, zero_like
 
 
 def _integrator_after(w: Writer) -> None:
@@ -137,7 +137,7 @@ def derivative(w: Writer) -> None:
     """Take the slope since the last major step, or the derivative of a filtered signal."""
     u = w.numeric()
     before, at = w.remembered(u.value, number=0), w.remembered(0.0, number=1)
-    slope = w.remembered(u.value * 0.0, number=2)
+    slope = w.remembered(zero_like(u.value), number=2)
     w.kept["slope"] = w.out(
         f"({u.code} - {before.code}) / (t - {at.code}) if t > {at.code} + 1e-12 else {slope.code}"
     ).code
@@ -317,7 +317,7 @@ def _derivative_term(w: Writer, u: Operand, gain: Signal, *, discrete: bool) -> 
     """Write the filtered derivative: N (D u - f), where f integrates it."""
     filtered = not discrete or w.settings.text("UseFilter", "on") == "on"
     if not filtered:
-        before = w.remembered(u.value * 0.0, 2)
+        before = w.remembered(zero_like(u.value), 2)
         w.kept["error"] = u.code
         return w.let(
             f"{w.constant(gain)} * ({u.code} - {before.code}) / {literal(w.period or 1.0)}",

@@ -12,7 +12,7 @@ from drake_leg.simulink.matlab.compiling import compiled, compiled_expression
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.running.code import Call, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
-from drake_leg.simulink.running.operations import settled
+from drake_leg.simulink.running.operations import real, settled
 from drake_leg.simulink.running.settings import Signal
 
 
@@ -25,7 +25,7 @@ class Expression:
 
     def __call__(self, *values: Signal) -> Signal:
         """Evaluate it."""
-        return settled(self._function(*values))
+        return settled(real(self._function(*values)))
 
 
 def expression_code(w: Writer, text: str, names: Mapping[str, Operand]) -> str:
@@ -71,6 +71,14 @@ def _after(w: Writer) -> None:
         w.remember(w.kept["kept"])
 
 
+def _argument(w: Writer, place: int, name: str) -> Operand:
+    """Return an input; a bus of which the code reads no field is a vector to it."""
+    found = w.input(place)
+    if isinstance(found.value, dict) and not re.search(rf"\b{name}\.", w.node.script):
+        return w.let(f"flat({found.code})", name)
+    return found
+
+
 @kind("MATLAB Function", finish=_after)
 def matlab_function(w: Writer) -> None:
     """Call the code of a MATLAB Function block."""
@@ -84,7 +92,7 @@ def matlab_function(w: Writer) -> None:
         functions=w.pen.folders,
     )
     name = w.constant(function, w.node.block.name)
-    inputs = [w.input(place) for place in range(len(function.inputs))]
+    inputs = [_argument(w, place, each) for place, each in enumerate(function.inputs)]
     arguments = ", ".join(one.code for one in inputs)
     keeps = function.keeps
     w.pen.written[name] = Call(
@@ -100,7 +108,7 @@ def matlab_function(w: Writer) -> None:
     if keeps:
         w.kept["kept"] = kept.code
     for place, value in enumerate(made.value):
-        code = f"{made.code}[{place}]"
+        code = f"real({made.code}[{place}])"
         if isinstance(value, bool | np.bool_ | int):
             code = f"float({code})"
         elif isinstance(value, np.ndarray) and value.dtype == np.bool_:

@@ -9,7 +9,7 @@ import numpy as np
 from drake_leg.simulink.matlab.data import Cell, numbers_of
 from drake_leg.simulink.running.code import Operand, Writer
 from drake_leg.simulink.running.kinds import kind
-from drake_leg.simulink.running.kinds.routing import parts_of
+from drake_leg.simulink.running.kinds.routing import joined_bus, parts_of
 from drake_leg.simulink.running.settings import flat
 
 
@@ -107,8 +107,7 @@ def outport(w: Writer) -> None:
 
         show(w, [w.node.block.name])
         return
-    u = w.input(0)
-    made = w.let(u.code)
+    made = w.let(w.input(0).code if not w.settings.has("Element") else joined_bus(w))
     port = f"{w.node.sid}#out:1"
     w.pen.values[port] = made
     w.pen.gates_of[port] = w.gates

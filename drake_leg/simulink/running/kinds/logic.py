@@ -6,6 +6,7 @@ import numpy as np
 
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.settings import zero_like
 
 _RELATIONS = {"==": "==", "~=": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
 
@@ -168,7 +169,7 @@ def merge(w: Writer) -> None:
     first = next((w.input(p) for p in range(w.count) if w.node.inputs[p]), w.input(0))
     name = w.pen.name(w.node.block.name)
     start = first.value
-    slot = w.pen.slot(start * 0.0 if isinstance(start, float | np.ndarray) else start)
+    slot = w.pen.slot(zero_like(start) if isinstance(start, float | np.ndarray) else start)
     given = w.settings.text("InitialOutput", "[]")
     if given not in ("", "[]"):
         w.pen.slots[slot] = w.settings.array("InitialOutput")
@@ -188,7 +189,7 @@ def merge(w: Writer) -> None:
     w.kept["merge"] = (slot, name)
     w.put(Operand(code=name, value=w.pen.scope[name]))
     if not isinstance(w.pen.scope[name], dict) and np.shape(w.pen.slots[slot]) != np.shape(start):
-        w.pen.slots[slot] = start * 0.0
+        w.pen.slots[slot] = zero_like(start)
 
 
 def _input_after(w: Writer) -> None:

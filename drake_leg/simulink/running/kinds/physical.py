@@ -6,7 +6,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.maths import function
-from drake_leg.simulink.running.settings import shape_of
+from drake_leg.simulink.running.settings import shape_of, zero_like
 from drake_leg.units import parse_unit
 
 FILTER = 0.001  # [s], Simscape's default time constant
@@ -76,7 +76,7 @@ def _filtered(w: Writer, u: Operand, order: int) -> None:
         zero = "0.0" if u.is_scalar else f"zeros({u.shape})"
         dots = (first.code, zero)
     else:
-        v = w.state(u.value * 0.0, 1)
+        v = w.state(zero_like(u.value), 1)
         second = w.let(
             f"({u.code} - {y.code}) / {literal(tau**2)} - {literal(2.0 / tau)} * {v.code}",
             "acceleration",

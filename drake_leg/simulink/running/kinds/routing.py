@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from drake_leg.simulink.running.code import Operand, Writer, literal
@@ -65,6 +67,12 @@ def demux(w: Writer) -> None:
     if not u.code.isidentifier():
         u = w.let(u.code)
     asked = [int(each) for each in w.settings.numbers("Outputs", "4")]
+    if w.is_open(0):
+        count = asked[0] if len(asked) == 1 else len(asked)
+        for place in range(count):
+            width = max(asked[place], 1) if len(asked) > 1 else 1
+            w.out("0.0" if width == 1 else f"zeros({width})", place)
+        return
     if len(asked) == 1 and asked[0] > 1:
         count = asked[0]
         least, more = divmod(u.size, count)
@@ -118,19 +126,20 @@ def selected_of_bus(w: Writer) -> None:
     """Take signals out of a bus by their names."""
     asked = [part.strip() for part in w.settings.text("OutputSignals", "").split(",")]
     u = w.input(0)
+    if w.is_open(0):
+        for place in range(len(asked)):
+            w.out("0.0", place)
+        w.pen.open.update(w.node.outputs)
+        return
     if not isinstance(u.value, dict):
         if len(asked) == 1:
             w.put(u)
-            return
-        if u.is_scalar:  # from a port of the model, where nothing is given
-            for place in range(len(asked)):
-                w.out(f"0.0 * {u.code}", place)
             return
         u = w.vector()
         for place in range(len(asked)):
             w.out(f"float({u.code}[{place}])", place)
         return
-    made = [_of_bus(w, u, name) for name in asked]
+    made = [of_bus(w, u, name) for name in asked]
     if w.settings.is_on("OutputAsBus"):
         items = ", ".join(f"{name!r}: {one.code}" for name, one in zip(asked, made, strict=True))
         w.out(f"{{{items}}}")
@@ -139,7 +148,26 @@ def selected_of_bus(w: Writer) -> None:
         w.put(w.let(one.code, asked[place]), place)
 
 
-def _of_bus(w: Writer, bus: Operand, name: str) -> Operand:
+def joined_bus(w: Writer) -> str:
+    """Write the bus of the signals at all inputs by their names, in which dots lead inwards."""
+    tree: dict[str, Any] = {}
+    for name, one in zip(w.node.names, w.inputs, strict=True):
+        *above, last = name.split(".")
+        inner = tree
+        for part in above:
+            inner = inner.setdefault(part, {})
+        inner[last] = one.code
+
+    def text(part: str | dict[str, Any]) -> str:
+        if isinstance(part, str):
+            return part
+        return "{" + ", ".join(f"{key!r}: {text(inner)}" for key, inner in part.items()) + "}"
+
+    return text(tree)
+
+
+def of_bus(w: Writer, bus: Operand, name: str) -> Operand:
+    """Take a signal out of a bus by its name, in which dots lead inwards."""
     code, value = bus.code, bus.value
     for part in name.split("."):
         if not isinstance(value, dict) or part not in value:
@@ -245,7 +273,11 @@ def _listed(w: Writer, indices: np.ndarray, count: int) -> str:
 
 @kind("Concatenate", "Matrix Concatenate", "Vector Concatenate", sample_time="")
 def concatenated(w: Writer) -> None:
-    """Join vectors, or matrices side by side or one below the other."""
+    """Join vectors, or matrices side by side or one below the other; buses become an array."""
+    if all(isinstance(one.value, dict) for one in w.inputs):
+        items = ", ".join(f"'({n})': {one.code}" for n, one in enumerate(w.inputs, 1))
+        w.out(f"{{{items}}}")
+        return
     if w.settings.text("Mode", "Vector") == "Vector":
         w.out(f"joined({', '.join(one.code for one in w.inputs)})")
         return

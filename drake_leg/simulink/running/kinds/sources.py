@@ -6,6 +6,7 @@ import numpy as np
 
 from drake_leg.simulink.running.code import Writer, literal
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.kinds.routing import of_bus
 from drake_leg.simulink.running.settings import Signal, as_signal
 
 MOST_BREAKS = 10_000
@@ -284,8 +285,16 @@ def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray]:
 
 @kind("Inport")
 def inport(w: Writer) -> None:
-    """Put out zero: nothing is given at a model's own ports."""
-    w.out("0.0")
+    """Put out zero: nothing is given at a model's own ports; take an element out of a bus."""
+    if w.node.block.system:
+        w.put(w.let(of_bus(w, w.input(0), w.settings.text("Element")).code))
+        return
+    shape = tuple(int(each) for each in w.settings.numbers("PortDimensions", "-1"))
+    if min(shape) < 1:
+        w.pen.open.add(w.node.outputs[0])
+        w.out("0.0")
+    else:
+        w.out("0.0" if shape == (1,) else f"zeros({shape})")
 
 
 @kind("SliderBlock", "KnobBlock", "Joystick Input")
