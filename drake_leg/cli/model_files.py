@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from drake_leg.simulink.suggestions import Suggestion
 
 
-CONTACTS = ("smooth", "pulling")
+CONTACTS = ("smooth", "pulling", "drake")
 _SHOWN = 8  # names that a script sets
 _OTHERS = 2  # files that set as many
 _NEXT = re.compile(r",(?=\s*[A-Za-z]\w*\s*=(?!=))")  # between two settings
@@ -70,8 +70,9 @@ def add_model_run_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--contact",
         choices=CONTACTS,
-        help="whether the damper of a contact of a Simulink model may pull while two bodies part: "
-        "smooth, it never pulls, or pulling (default smooth)",
+        help="law of the contacts of a Simulink model: that of its blocks, whose damper never "
+        "pulls (smooth) or may pull while two bodies part (pulling), or Drake's point contact "
+        "(drake) (default smooth)",
     )
 
 

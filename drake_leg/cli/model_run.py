@@ -220,6 +220,8 @@ def _results(
         remarks.append(f"replaced: {'; '.join(replaced)}")
     if chosen.contact == "pulling":
         remarks.append("dampers of contacts may pull while two bodies part")
+    if chosen.contact == "drake":
+        remarks.append("contacts are Drake's point contacts, and not those of their blocks")
     summary = {"run": chosen.name, **summary_of(model, ready, run, columns, remarks)}
     return columns, recording_of(run.time, columns), summary
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import cache
 from html import escape
@@ -19,6 +18,7 @@ from scipy.spatial.transform import Rotation
 from drake_leg.colours import Colour
 from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.khalil import Array
+from drake_leg.models.log import quiet_drake
 from drake_leg.scene.lettering import PLACEMENT
 from drake_leg.scene.scene import (
     BLUE,
@@ -168,7 +168,7 @@ def open_meshcat() -> Meshcat:
     settings.host = "localhost"
     settings.show_stats_plot = False
     try:
-        with _quiet():
+        with quiet_drake(logging.WARNING):  # it logs its address
             meshcat = Meshcat(settings)
     except RuntimeError:
         raise MeshcatError(
@@ -189,18 +189,6 @@ def replaced(page: str, old: str, new: str) -> str:
 
 def _css(colour: Colour) -> str:
     return f"rgb({' '.join(f'{255 * part:.0f}' for part in colour)})"
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep Drake from logging Meshcat's address."""
-    logger = logging.getLogger("drake")
-    level = logger.level
-    logger.setLevel(logging.WARNING)
-    try:
-        yield
-    finally:
-        logger.setLevel(level)
 
 
 def live_data(scene: Scene, first: View, session: str) -> dict[str, Any]:

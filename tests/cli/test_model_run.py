@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from mechanism_models import four_bar, pendulum
+from moving import falling
 from pydrake.systems.analysis import Simulator
 from signal_models import charted, oscillator
 
@@ -205,6 +206,23 @@ def test_a_mechanism_is_replayed_as_it_moved(run, here):
     assert summary["remarks"][0].endswith("shows a signal, so the joints alone are recorded")
     assert [*recording.columns] == ["time[s]", "Pivot.q[rad]"]
     assert recording["Pivot.q"][0] == pytest.approx(np.pi / 6)
+
+
+@pytest.mark.parametrize(
+    ("contact", "law"),
+    [
+        ("smooth", "the blocks' law, which never pulls"),
+        pytest.param("pulling", "the blocks' law, whose damper may pull", marks=pytest.mark.slow),
+        ("drake", "Drake's point contact"),
+    ],
+)
+def test_the_law_of_contact_is_named(run, contact, law):
+    built = falling(0.101)
+    built.solver["StopTime"] = "0.01"
+    status, printed, _, summary = run(built, "--contact", contact)
+    assert status == 0
+    assert summary["understood"]["mechanism"]["contact"] == law
+    assert ("Drake's point contacts" in printed.err) is (contact == "drake")
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.dynamics.applied import Applied
+from drake_leg.simulink.dynamics.applied import Applied, LawOfContact
 from drake_leg.simulink.dynamics.coordinates import Axis, coordinates_of
 from drake_leg.simulink.dynamics.crossing import Crossing, sensed_of_crossing
 from drake_leg.simulink.dynamics.joints import Joints
@@ -49,9 +49,10 @@ class Acting:
         mechanism: Mechanism,
         *,
         where: Sequence[Path] = (),
-        pulls: bool = False,
+        contact: LawOfContact = "smooth",
     ) -> None:
         self.problems: list[str] = []
+        self.contact = contact
         self.network = network_of(physical_part(model))
         mechanism = with_acting(mechanism)
         self.tree, welds = opened(mechanism)
@@ -72,7 +73,7 @@ class Acting:
             self.moment,
             self.inputs,
             files=FileMeshes(where),
-            pulls=pulls,
+            contact=contact,
         )
         self.problems += self.applied.problems
         self.constraints += self.applied.constraints

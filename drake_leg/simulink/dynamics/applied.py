@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.contact import Contact, ContactLaw, Side
 from drake_leg.simulink.dynamics.contact_sensing import MEASURES, sensed_of_contact
+from drake_leg.simulink.dynamics.drake_contact import DrakeContact
 from drake_leg.simulink.dynamics.forces import (
     ExternalForce,
     Field,
@@ -44,6 +45,7 @@ from drake_leg.simulink.multibody.meshes import FileMeshes
 from drake_leg.simulink.multibody.solids import Solid
 
 T = TypeVar("T")
+LawOfContact = Literal["smooth", "pulling", "drake"]
 
 GEARS = (
     "Common Gear Constraint", "Bevel Gear Constraint", "Rack and Pinion Constraint",
@@ -64,7 +66,7 @@ class Applied:
         inputs: Layout,
         *,
         files: FileMeshes,
-        pulls: bool = False,
+        contact: LawOfContact = "smooth",
     ) -> None:
         self.problems: list[str] = []
         self.left_out: dict[str, list[str]] = {}
@@ -72,7 +74,8 @@ class Applied:
         self.constraints: list[Constraint] = []
         self._of_state: list[StateForce] = []
         self._of_input: list[InputForce] = []
-        self._network, self._places, self._inputs, self._pulls = network, places, inputs, pulls
+        self._network, self._places, self._inputs = network, places, inputs
+        self._law_of_contact = contact
         self._files, self._weights = files, Weights(moment)
         self._solids = {
             solid.block.sid: (solid, Place(body=number_, X_BF=X_BR))
@@ -182,7 +185,8 @@ class Applied:
             self._leave_out(block)
             return
         measures = any(is_on(block, switch) for switch in MEASURES)
-        contact = Contact(base, follower, self._law(block), measures=measures)
+        touch = DrakeContact if self._law_of_contact == "drake" else Contact
+        contact = _of(block, touch, base, follower, self._law(block), measures=measures)
         if not contact.pairs:
             raise InvalidValueError(
                 f"the block {block.name!r} (SID {block.sid}) lets two geometries touch of which "
@@ -214,7 +218,7 @@ class Applied:
             static=number(get("CoefficientOfStaticFriction")) if slips else 0.0,
             dynamic=number(get("CoefficientOfDynamicFriction")) if slips else 0.0,
             critical=critical,
-            pulls=self._pulls,
+            pulls=self._law_of_contact == "pulling",
         )
 
     def _side(self, contact: Block, port: str) -> Side | None:
@@ -267,10 +271,10 @@ class Applied:
         )
 
 
-def _of(block: Block, make: Callable[..., T], *arguments: object) -> T:
-    """Make a surface, and say of which block an error speaks."""
+def _of(block: Block, make: Callable[..., T], *arguments: object, **more: object) -> T:
+    """Make a surface or a contact, and say of which block an error speaks."""
     try:
-        return make(*arguments)
+        return make(*arguments, **more)
     except InvalidValueError as error:
         raise InvalidValueError(
             f"the block {block.name!r} (SID {block.sid}): {error.problem}", advice=error.advice

@@ -107,9 +107,13 @@ class Contact:
         if not isinstance(found, list):
             found = []
             if self._measures or not self._is_far(moment):
-                found = [touch for pair in self.pairs for touch in self._between(moment, *pair)]
+                found = self.find(moment)
             moment.memo[self] = found
         return found
+
+    def find(self, moment: Moment) -> list[Touch]:
+        """List the points at which the two touch; where it measures, the nearest one else."""
+        return [touch for pair in self.pairs for touch in self._between(moment, *pair)]
 
     def _is_far(self, moment: Moment) -> bool:
         """Tell quickly that the two cannot touch."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from pydrake.systems.framework import (
@@ -15,8 +14,8 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
-from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.acting import Acting
+from drake_leg.simulink.dynamics.applied import LawOfContact
 from drake_leg.simulink.dynamics.at_ports import AtPorts
 from drake_leg.simulink.dynamics.driven import DrivenMechanism, is_driven
 from drake_leg.simulink.dynamics.start import start_of
@@ -25,7 +24,7 @@ from drake_leg.simulink.multibody.bodies import Mechanism, mechanism_of
 from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.multibody.mass import Array
 
-Contact = Literal["smooth", "pulling", "drake"]
+Contact = LawOfContact
 
 
 class MechanismSystem(AtPorts, Diagram):
@@ -79,6 +78,11 @@ class MechanismSystem(AtPorts, Diagram):
         context = super().CreateDefaultContext()
         self.start(context)
         return context
+
+    @property
+    def contact(self) -> Contact:
+        """The law of contact."""
+        return self._acting.contact
 
     @property
     def touches(self) -> bool:
@@ -182,21 +186,16 @@ def mechanism_dynamics(
 ) -> MechanismSystem:
     """Build the mechanism of a model with all that acts on it.
 
-    Contact is by the blocks' law. By ``smooth`` it never pulls; by ``pulling`` its damper may pull
-    while two bodies part: Simscape states neither. Geometry of CAD programs that touches is looked
-    for in the folders ``where``; a contact whose geometry is not found is left out.
+    Contact is by the blocks' law, or by Drake's. By ``smooth`` it never pulls; by ``pulling`` its
+    damper may pull while two bodies part: Simscape states neither. By ``drake`` it is Drake's point
+    contact, with the blocks' stiffness, damping and friction. Geometry of CAD programs that touches
+    is looked for in the folders ``where``; a contact whose geometry is not found is left out.
 
     Raises
     ------
     InvalidValueError
         That lists all that is missing.
     """
-    if contact == "drake":
-        raise InvalidValueError(
-            "contact by Drake's own law is not built: choose 'smooth' or 'pulling'"
-        )
-    acting = Acting(
-        model, mechanism or mechanism_of(model), where=where, pulls=contact == "pulling"
-    )
+    acting = Acting(model, mechanism or mechanism_of(model), where=where, contact=contact)
     refuse(acting.problems)
     return MechanismSystem(acting)

@@ -177,8 +177,8 @@ def runnable(
         The model.
     duration : float, optional
         Instead of the file's own stop time [s].
-    contact : {"smooth", "drake"}
-        The law of contact forces: the blocks' own, or Drake's.
+    contact : {"smooth", "pulling", "drake"}
+        The law of contact forces: the blocks' own, which never pulls or may pull, or Drake's.
     replace : mapping of str to str, optional
         What blocks put out instead of what they would, by name or path: ``"constant 0"``, or the
         name of a CSV file with a table of time and values.

@@ -10,6 +10,8 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.catalogue import JOINTS
+from drake_leg.simulink.dynamics.driven import DrivenMechanism
+from drake_leg.simulink.dynamics.system import MechanismSystem
 from drake_leg.simulink.model import Model
 from drake_leg.simulink.running.columns import Column
 from drake_leg.simulink.running.running import ModelRun, Runnable
@@ -18,6 +20,11 @@ SETTINGS = ("Solver", "SolverType", "StartTime", "StopTime", "RelTol", "AbsTol",
             "FixedStep")  # fmt: skip
 MOST_NAMES = 60  # of states that a summary lists
 SHOWN = 3  # lines that were skipped, in a remark; the summary lists all
+LAWS = {
+    "smooth": "the blocks' law, which never pulls",
+    "pulling": "the blocks' law, whose damper may pull",
+    "drake": "Drake's point contact",
+}
 NO_SINK = "no Scope or other sink of the model shows a signal"
 
 
@@ -108,8 +115,16 @@ def _understood(model: Model, ready: Runnable) -> dict[str, Any]:
             "inputs": len(mechanism.inputs),
             "motions": len(mechanism.motions),
             "sensed": len(mechanism.sensed) + len(mechanism.efforts),
+            "contact": _contact(mechanism),
         }
     return found
+
+
+def _contact(mechanism: MechanismSystem | DrivenMechanism) -> str | None:
+    """Name the law of contact, where bodies may touch."""
+    if isinstance(mechanism, MechanismSystem) and mechanism.touches:
+        return LAWS[mechanism.contact]
+    return None
 
 
 def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:

@@ -32,8 +32,8 @@ def wired(built, block, *places):
     return built
 
 
-def dynamics(built, folder):
-    return mechanism_dynamics(built.model(folder))
+def dynamics(built, folder, **more):
+    return mechanism_dynamics(built.model(folder), **more)
 
 
 def port(built, text):
