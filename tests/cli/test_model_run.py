@@ -211,7 +211,7 @@ def test_a_mechanism_is_replayed_as_it_moved(run, here):
 @pytest.mark.parametrize(
     ("contact", "law"),
     [
-        ("smooth", "the blocks' law, which never pulls"),
+        pytest.param("smooth", "the blocks' law, which never pulls", marks=pytest.mark.slow),
         pytest.param("pulling", "the blocks' law, whose damper may pull", marks=pytest.mark.slow),
         ("drake", "Drake's point contact"),
     ],
@@ -261,6 +261,7 @@ def page_of(here):
     return text
 
 
+@pytest.mark.slow
 def test_a_page_shows_the_model_its_mechanism_and_its_plots(run, here):
     built = pendulum(PositionTargetSpecify="on", PositionTargetValue="turn")
     built.solver["StopTime"] = "0.1"
@@ -293,6 +294,7 @@ def test_a_page_says_what_was_replaced(run, here):
     assert "replaced: Chart puts out constant 3" in page_of(here)
 
 
+@pytest.mark.slow
 def test_names_of_blocks_are_text_on_a_page(run, here):
     built = oscillator()
     built.add_block("Constant", "<script>alert(1)</script>", {"Value": "1"})
