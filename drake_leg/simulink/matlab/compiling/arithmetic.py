@@ -49,6 +49,7 @@ from drake_leg.simulink.matlab.data import Allowance
 from drake_leg.simulink.matlab.numeric import MatlabError, quiet
 
 MOST_PRODUCTS = 64  # of two small matrices, that are written out
+WRITTEN_OUT = ((2, 2), (3, 3))  # matrices whose inverse and solutions are plain numbers
 COMPARISONS = {"==": "==", "~=": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
 _LOGICAL = {"&": BOTH, "|": EITHER}
 _SUMS = {"+": SUM, "-": SUM, ".*": PRODUCT}
@@ -122,9 +123,36 @@ def _of_small(t: Translation, symbol: str, left: Code, right: Code) -> Code | No
         symbol, left, right = "./", right, left
     elif symbol == "*":
         symbol = ".*"
-    if symbol in ("/", "\\", "^"):
+    if symbol == "\\":
+        return _solved(t, left, right)
+    if symbol == "/":
+        return transposed(t, "'", of) if (of := _solved(t, *_turned(t, right, left))) else None
+    if symbol == "^":
         return None
     return by_elements(t, left, right, lambda x, y: _each(t, symbol, x, y), _result(symbol))
+
+
+def _turned(t: Translation, *codes: Code) -> list[Code]:
+    return [transposed(t, "'", code) for code in codes]
+
+
+def _solved(t: Translation, matrix: Code, wanted: Code) -> Code | None:
+    """Solve two or three equations, for each column of what is wanted."""
+    a, b = matrix.kind, wanted.kind
+    assert isinstance(a, Numbers)
+    assert isinstance(b, Numbers)
+    if a.shape not in WRITTEN_OUT or not b.shape or len(b.shape) != 2 or not t.daring:
+        return None
+    rows, columns = a.shape[0], b.shape[1]
+    if b.shape[0] != rows:
+        return None
+    matrix, wanted = t.atoms(matrix), t.atoms(wanted)
+    parts: list[str] = []
+    for column in range(columns):
+        given = floats(wanted)[rows * column : rows * (column + 1)]
+        piece = called(f"solve_{rows}", *floats(matrix), *given)
+        parts += t.unpacked(piece, Numbers("float", (rows, 1))).parts
+    return Code(Numbers("float", b.shape), tuple(parts), fresh=True)
 
 
 def _result(symbol: str) -> str:

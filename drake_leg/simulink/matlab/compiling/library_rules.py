@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from drake_leg.simulink.matlab.compiling.arithmetic import (
+    WRITTEN_OUT,
     added,
     by_elements,
     combined,
@@ -108,7 +109,8 @@ def _simple(t: Translation, name: str, given: list[Code]) -> Code | None:
     if not all(is_small(code.kind) for code in given):
         return None
     if len(given) == 1:
-        return _of_each(t, name, given[0]) or _reduced(t, name, given[0])
+        found = _of_each(t, name, given[0]) or _reduced(t, name, given[0])
+        return found or _of_square(t, name, given[0])
     if len(given) == 2 and name in _OF_TWO and t.daring:
         return _pairs(t, _OF_TWO[name], *given)
     if len(given) == 2 and name in ("max", "min") and all(code.parts for code in given):
@@ -275,6 +277,18 @@ def _of_vectors(t: Translation, name: str, left: Code, right: Code) -> Code | No
         parts.append(joined(first, "-", joined(x[j], "*", y[i], PRODUCT), PRODUCT - 1))
     shape = shapes[0] if shapes[0] == shapes[1] else (3, 1)
     return Code(Numbers("float", shape), tuple(parts), fresh=True)
+
+
+def _of_square(t: Translation, name: str, code: Code) -> Code | None:
+    """Determinant and inverse of a matrix of two or three rows."""
+    assert isinstance(code.kind, Numbers)
+    if name not in ("det", "inv") or code.kind.shape not in WRITTEN_OUT:
+        return None
+    rows, _ = code.kind.shape
+    piece = called(f"{name}_{rows}", *floats(code))
+    if name == "det":
+        return Code(Numbers("float", (1, 1)), (piece,))
+    return t.unpacked(piece, Numbers("float", (rows, rows)))
 
 
 # --- calls ------------------------------------------------------------------------------------

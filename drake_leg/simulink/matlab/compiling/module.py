@@ -11,7 +11,7 @@ import numpy as np
 
 from drake_leg.simulink.matlab import operators, syntax, writing
 from drake_leg.simulink.matlab.checking import walked
-from drake_leg.simulink.matlab.compiling import runtime
+from drake_leg.simulink.matlab.compiling import runtime, small_matrices
 from drake_leg.simulink.matlab.compiling.beside import own_function
 from drake_leg.simulink.matlab.compiling.code import (
     Code,
@@ -325,6 +325,11 @@ _NAMES: dict[str, Any] = {
     **{one.__name__: one for one in (float, int, bool, abs)},
     **{name: math.__dict__[name] for name in _OF_MATH.split()},
     **{name: one for name, one in runtime.__dict__.items() if name in runtime.USED.split()},
+    **{
+        f"{name}_{n}": small_matrices.__dict__[f"{name}_{n}"]
+        for name in ("det", "inv", "solve")
+        for n in (2, 3)
+    },
     "nan": math.nan,
     "inf": math.inf,
     "zeros": np.zeros,
