@@ -51,10 +51,15 @@ class DrivenMechanism(AtPorts, LeafSystem):
         self._acting = acting
         joints = acting.joints
         order = [motion.axis for motion in joints.motions]
-        self._first = np.array([motion.entries.start for motion in joints.motions])
-        self._of_positions = np.linalg.inv(joints.A[order])
-        self._offset = joints.b[order]
+        first = np.array([motion.entries.start for motion in joints.motions])
         self._of_velocities = np.linalg.inv(joints.S[order])
+        self._accelerations = first + 2
+        nq = len(order)
+        self._T = np.zeros((2 * nq, acting.inputs.size))  # state = T u + c
+        self._T[:nq, first] = np.linalg.inv(joints.A[order])
+        self._T[nq:, first + 1] = self._of_velocities
+        self._c = np.zeros(2 * nq)
+        self._c[:nq] = -self._T[:nq, first] @ joints.b[order]
         self._u = self.DeclareVectorInputPort("u", acting.inputs.size)
         for name, size in (
             ("sensed", acting.sensed.size),
@@ -67,8 +72,15 @@ class DrivenMechanism(AtPorts, LeafSystem):
     def state_at(self, u: Array) -> Array:
         """Return positions and velocities of the plant at inputs."""
         self._acting.require_finite(u)
-        q = self._of_positions @ (u[self._first] - self._offset)
-        return np.concatenate([q, self._of_velocities @ u[self._first + 1]])
+        state: Array = self._T @ u + self._c
+        return state
+
+    def now_at(self, u: Array) -> Array:
+        """Return what is read at once, at inputs."""
+        acting, state = self._acting, self.state_at(u)
+        if acting.reads_places:
+            acting.moment.move_to(state)
+        return acting.sense_now(state)
 
     def start(self, context: Context, u: Array | None = None) -> None:
         """Do nothing: it has no state."""
@@ -83,10 +95,7 @@ class DrivenMechanism(AtPorts, LeafSystem):
         output.SetFromVector(self._acting.sense(self._moved(context)))
 
     def _calc_now(self, context: Context, output: BasicVector) -> None:
-        acting = self._acting
-        reads_places = acting.reads_places
-        state = self._moved(context) if reads_places else self.state_at(self._u.Eval(context))
-        output.SetFromVector(acting.sense_now(state))
+        output.SetFromVector(self.now_at(self._u.Eval(context)))
 
     def _moved(self, context: Context) -> Array:
         state = self.state_at(self._u.Eval(context))
@@ -96,5 +105,5 @@ class DrivenMechanism(AtPorts, LeafSystem):
     def _calc_efforts(self, context: Context, output: BasicVector) -> None:
         u: Any = self._u.Eval(context)
         self._acting.moment.move_to(self.state_at(u))
-        vdot = self._of_velocities @ u[self._first + 2]
+        vdot = self._of_velocities @ u[self._accelerations]
         output.SetFromVector(self._acting.respond(u, vdot))

@@ -131,6 +131,7 @@ class Pen:
         self.stops: list[tuple[str, str]] = []  # variable, name of a block
         self.breaks: set[float] = set()
         self.waves: list[tuple[float, float]] = []  # period and offset of corners
+        self.fastest = 0.0  # [1/s], the reciprocal of the shortest time constant of a filter
         self.values: dict[str, Operand] = {}  # by port
         self.dots: dict[str, tuple[str, str]] = {}  # port -> first and second derivative
         self.shapes = dict(shapes or {})  # of states, by the SID of their block and number
@@ -328,6 +329,10 @@ class Writer:
                 here = f"{here}.reshape({shape_of(made.start)}, order='F')"
         self.write(f"{made.name} = {here}")
         return Operand(code=made.name, value=self.pen.scope[made.name])
+
+    def fades(self, poles: Iterable[complex]) -> None:
+        """Note the poles of a filter [1/s]."""
+        self.pen.fastest = max([self.pen.fastest, *(-complex(pole).real for pole in poles)])
 
     def remembered(self, start: Any, number: int = 0, wish: str = "") -> Operand:  # noqa: ANN401
         """Make a place in the memory, and read it; a start of one number is widened."""

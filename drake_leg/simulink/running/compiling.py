@@ -67,6 +67,7 @@ class Code:
     read_at_once: frozenset[str]  # sensed ports that are not only shown
     needs_efforts: bool  # whether derivatives or events depend on efforts
     states: tuple[str, ...]  # names
+    fastest: float = 0.0  # [1/s], the reciprocal of the shortest time constant of a filter
     written: Mapping[str, Call] = field(default_factory=dict)  # constants that are no numbers
 
     def functions(self) -> dict[str, Callable[..., Any]]:
@@ -354,6 +355,7 @@ class _Pass:
                 if _code_at(pen, port) in (u_reads | dx_reads | lasting)
             ),
             needs_efforts=bool(dx_reads & efforts),
+            fastest=pen.fastest,
             states=tuple(state.name for state in pen.states.values()),
             written=dict(pen.written),
         )

@@ -47,6 +47,7 @@ TITLES = {
     "recorded": "what sinks show",
     "states": "their names",
     "read_at_once": "what is sensed and not only shown",
+    "fastest": "of filters, the reciprocal of the shortest time constant [1/s]",
     "breaks": "times at which signals have corners [s]",
 }
 PYDRAKE = {

@@ -9,13 +9,7 @@ from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.systems.analysis import (
-    ApplySimulatorConfig,
-    ExtractSimulatorConfig,
-    InitializeParams,
-    Simulator,
-    SimulatorConfig,
-)
+from pydrake.systems.analysis import SimulatorConfig
 from pydrake.systems.framework import (
     Context,
     Diagram,
@@ -41,6 +35,7 @@ from drake_leg.simulink.running.compiling import (
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
 from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
+from drake_leg.simulink.running.stepping import FAST, Stepper
 from drake_leg.simulink.running.system import SignalSystem
 
 Array = NDArray[np.float64]
@@ -126,7 +121,7 @@ class ModelRun:
     by_block: bool = False  # whether a Stop block ended it
     seconds: float = 0.0  # that the run took
     steps: int = 0
-    integrator: str = ""  # Drake's name of it
+    integrator: str = ""  # Drake's name of it, or "rodas5p" of Rosenbrock steps
     accuracy: float = 0.0  # that was asked for
     longest_step: float = 0.0  # [s]
     remarks: tuple[str, ...] = ()
@@ -312,52 +307,60 @@ def run_model(
     context = diagram.CreateDefaultContext()
     if diagram.mechanism is not None:
         diagram.mechanism.start(context, ready.start)
-    duration = ready.solver["duration"]
-    simulator = Simulator(diagram, context)
-    longest = ready.solver.get("longest step", duration / STEPS if duration else 1.0)
-    is_stiff = isinstance(diagram.mechanism, MechanismSystem) and diagram.mechanism.touches
-    usual = STIFF_ACCURACY if is_stiff else ACCURACY
-    config = SimulatorConfig(
-        integration_scheme=STIFF if is_stiff else "runge_kutta3",
-        accuracy=accuracy or min(usual, ready.solver.get("tolerance", usual)),
-        max_step_size=longest,
-        use_error_control=True,
-    )
-    shortest = SHORTEST_STEP * max(duration, 1.0)
-    _integrate(simulator, config, shortest)
+    config = _config(ready, accuracy)
     # Short steps of a fine accuracy are no sign of stiffness.
     watch = _Watch(diagram, budget, progress, may_crawl=config.accuracy >= ACCURACY)
-    simulator.set_monitor(watch)
+    stepper = _stepper(ready, context, config, watch)
     began = monotonic()
     stopped = ""
     try:
         with interrupts_kept(), np.errstate(all="ignore"):
-            simulator.Initialize()
+            stepper.begin()
+            duration = ready.solver["duration"]
             for time, is_row in moments(ready.code, duration, diagram.signals.base):
-                simulator.AdvanceTo(time)
-                if watch.crawls and config.integration_scheme != STIFF:
-                    config.integration_scheme = STIFF
-                    _integrate(simulator, config, shortest)
-                    simulator.Initialize(InitializeParams(suppress_initialization_events=True))
-                    simulator.AdvanceTo(time)
+                stepper.advance(time, lambda: bool(watch.stopped))
+                if watch.crawls and stepper.integrator != STIFF:
+                    stepper.change(STIFF)
+                    stepper.advance(time, lambda: bool(watch.stopped))
                 if watch.stopped:
                     break
                 if is_row:
                     if diagram.signals.has_events:
-                        simulator.AdvancePendingEvents()  # shown is what blocks put out after them
+                        stepper.finish_events()  # shown is what blocks put out after them
                     diagram.ForcedPublish(context)
     except KeyboardInterrupt:
         stopped = INTERRUPTED
     except (RuntimeError, InvalidValueError, ArithmeticError, IndexError, ValueError) as error:
         stopped = _reason(error, context, ready)
     finally:
-        simulator.clear_monitor()
-    return _recorded(ready, simulator, watch, stopped, monotonic() - began)
+        stepper.close()
+    return _recorded(ready, stepper, watch, stopped, monotonic() - began)
 
 
-def _integrate(simulator: Simulator, config: SimulatorConfig, shortest: float) -> None:
-    ApplySimulatorConfig(config, simulator)
-    simulator.get_mutable_integrator().set_requested_minimum_step_size(shortest)
+def _config(ready: Runnable, accuracy: float | None) -> SimulatorConfig:
+    mechanism, duration = ready.diagram.mechanism, ready.solver["duration"]
+    is_stiff = isinstance(mechanism, MechanismSystem) and mechanism.touches
+    usual = STIFF_ACCURACY if is_stiff else ACCURACY
+    return SimulatorConfig(
+        integration_scheme=STIFF if is_stiff else "runge_kutta3",
+        accuracy=accuracy or min(usual, ready.solver.get("tolerance", usual)),
+        max_step_size=ready.solver.get("longest step", duration / STEPS if duration else 1.0),
+        use_error_control=True,
+    )
+
+
+def _stepper(ready: Runnable, context: Context, config: SimulatorConfig, watch: _Watch) -> Stepper:
+    """Choose how the run goes from step to step."""
+    diagram, duration = ready.diagram, ready.solver["duration"]
+    shortest = SHORTEST_STEP * max(duration, 1.0)
+    stepper = Stepper(diagram, context, config, shortest=shortest, watch=watch)
+    code, mechanism = ready.code, diagram.mechanism
+    is_fast = code.fastest * config.max_step_size > FAST
+    if is_fast and not code.stops and not isinstance(mechanism, MechanismSystem):
+        rates = diagram.signals.rates(context, mechanism.now_at if mechanism else None)
+        if rates is not None:
+            stepper.take_own_steps(rates, sorted({*corners(code, duration), duration}))
+    return stepper
 
 
 def moments(code: Code, duration: float, base: Rate | None) -> Iterator[tuple[float, bool]]:
@@ -369,12 +372,17 @@ def moments(code: Code, duration: float, base: Rate | None) -> Iterator[tuple[fl
     if base is not None:
         hits = base[1] + np.round((rows - base[1]) / base[0]) * base[0]
         rows = np.where(np.abs(rows - hits) < SAME_TIME, hits, rows)
+    kept = dict.fromkeys(corners(code, duration), False) | dict.fromkeys(rows.tolist(), True)
+    yield from sorted(kept.items())
+
+
+def corners(code: Code, duration: float) -> set[float]:
+    """Find the times during a run at which signals have corners."""
     times = {at for at in code.breaks if 0.0 < at < duration}
     for period, offset in code.waves:
         if period > 0.0 and duration / period < MOST_CORNERS:
             times |= {float(at) for at in np.arange(offset, duration, period) if at > 0.0}
-    kept = dict.fromkeys(times, False) | dict.fromkeys(rows.tolist(), True)
-    yield from sorted(kept.items())
+    return times
 
 
 class _Watch:
@@ -449,10 +457,9 @@ def _reason(error: Exception, context: Context, ready: Runnable) -> str:
 
 
 def _recorded(
-    ready: Runnable, simulator: Simulator, watch: _Watch, stopped: str, seconds: float
+    ready: Runnable, stepper: Stepper, watch: _Watch, stopped: str, seconds: float
 ) -> ModelRun:
-    diagram, context = ready.diagram, simulator.get_context()
-    settings = ExtractSimulatorConfig(simulator)
+    diagram, context = ready.diagram, stepper.context
     shown: list[Shown] = []
     times: Array = np.zeros(0)
     states: Array = np.zeros((0, 0))
@@ -481,9 +488,9 @@ def _recorded(
         stopped=watch.stopped or stopped,
         by_block=watch.by_block,
         seconds=seconds,
-        steps=int(simulator.get_num_steps_taken()),
-        integrator=settings.integration_scheme,
-        accuracy=settings.accuracy,
-        longest_step=settings.max_step_size,
+        steps=stepper.steps,
+        integrator=stepper.integrator,
+        accuracy=stepper.config.accuracy,
+        longest_step=stepper.config.max_step_size,
         remarks=ready.remarks,
     )

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import reduce
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import (
     BasicVector,
@@ -23,6 +24,7 @@ from drake_leg.simulink.running.compiling import Code
 from drake_leg.simulink.running.rates import Rate, next_hit
 from drake_leg.simulink.running.settings import flat
 
+Array = NDArray[np.float64]
 MOST_TICKS = 1e7  # of a base rate in its longest period
 
 
@@ -129,6 +131,35 @@ class SignalSystem(LeafSystem):
             return
         with np.errstate(all="ignore"):
             derivatives.SetFromVector(self._derivatives(*self._read(context)))
+
+    def rates(
+        self, context: Context, sense: Callable[[Array], Array] | None
+    ) -> Callable[[float, Array], Array] | None:
+        """Return the derivatives as a function of time and states; None where something happens.
+
+        They are those of Drake's diagram, without its caches.
+
+        Parameters
+        ----------
+        context : Context
+            That of the whole diagram; what blocks remember is as there.
+        sense : callable, optional
+            What a mechanism without states senses at the commands that it follows.
+        """
+        code = self.code
+        if self.has_events or code.needs_efforts or code.needs_sensed or not code.x.size:
+            return None
+        memory = self._own(self.GetMyContextFromRoot(context))[2]
+        none, senses = self._none, sense if code.read_at_once else None
+
+        def rates(t: float, x: Array) -> Array:
+            states, sensed = x.tolist(), none
+            if senses is not None:
+                sensed = senses(self._commands(t, states, memory, none, none))
+            found: Array = self._derivatives(t, states, memory, sensed, none)
+            return found
+
+        return rates
 
     def _calc_scopes(self, context: Context, output: BasicVector) -> None:
         with np.errstate(all="ignore"):

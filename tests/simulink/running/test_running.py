@@ -266,7 +266,6 @@ def test_a_mechanism_that_only_follows_motions_is_not_integrated(tmp_path):
     assert np.abs(feet[:, 1:] - start[1:]).max() < 0.03
 
 
-@pytest.mark.slow
 def test_the_lab_with_its_filters_drifts_as_it_does_in_simscape(tmp_path):
     """The joints lag 2 ms behind, so the Jacobian is not that of where they are: y and z drift."""
     path = published_leg(filtered=True, stop_time="20").write(tmp_path / "leg.slx")
@@ -275,16 +274,85 @@ def test_the_lab_with_its_filters_drifts_as_it_does_in_simscape(tmp_path):
     drift = feet[-1] - feet[0]
     assert drift[1] == pytest.approx(-1.237, abs=1e-3)
     assert drift[2] == pytest.approx(0.506, abs=1e-3)
+    # Explicit steps would be 12 000, as each must be below 2.5 times the filters' 1 ms.
+    assert run.integrator == "rodas5p"
+    assert run.steps < 700
 
 
 @pytest.mark.slow
 def test_the_lab_from_its_file_is_the_run_of_leg_b_with_the_same_filters(tmp_path):
-    path = published_leg(filtered=True, stop_time="0.5").write(tmp_path / "leg.slx")
-    run = run_model(runnable(read_model(path)), accuracy=1e-9)
-    options = RUNS["leg-b"].options(duration=0.5, filter_time_constant=0.001, accuracy=1e-12)
+    path = published_leg(filtered=True, stop_time="2").write(tmp_path / "leg.slx")
+    run = run_model(runnable(read_model(path)))
+    options = RUNS["leg-b"].options(duration=2.0, filter_time_constant=0.001, accuracy=1e-12)
     leg = RUNS["leg-b"].run(options).recording
     for letter, column in zip("xyz", foot_of(run)[1].T, strict=True):
         assert column[-1] / 1e3 == pytest.approx(leg[letter][-1], abs=1e-8)
+
+
+def test_a_mechanism_that_follows_motions_has_the_derivatives_of_its_diagram(tmp_path):
+    ready = runnable(read_model(published_leg(filtered=True).write(tmp_path / "leg.slx")))
+    diagram = ready.diagram
+    context = diagram.CreateDefaultContext()
+    rates = diagram.signals.rates(context, diagram.mechanism.now_at)
+    rng = np.random.default_rng(1)
+    for time in (0.0, 0.3, 7.0):
+        x = ready.code.x + rng.normal(size=ready.code.x.size) * 0.1
+        context.SetTimeAndContinuousState(time, x)
+        expected = diagram.EvalTimeDerivatives(context).CopyToVector()
+        assert np.abs(expected).max() > 1.0
+        np.testing.assert_array_equal(rates(time, x), expected)
+
+
+def filtered_sine(rig):
+    """A sine of 3 rad/s through (1 ms s + 1)^2, from rest, and its closed form."""
+    made = rig.block(
+        "TransferFcn", "filter", sine(rig), Numerator="[1]", Denominator="[1e-6 2e-3 1]"
+    )
+    rig.show(made, "filtered")
+
+    def exact(t):
+        tau, w = 1e-3, 3.0
+        g = 1.0 / (1.0 + 1j * w * tau) ** 2  # what lasts
+        fading = np.exp(-t / tau) * (g.imag + t * (g.imag / tau + w * g.real))
+        return np.imag(g * np.exp(1j * w * t)) - fading
+
+    return exact
+
+
+def test_a_fast_filter_of_a_smooth_signal_takes_long_steps(tmp_path):
+    rig = Rig()
+    exact = filtered_sine(rig)
+    run = run_model(runnable(read_model(rig.write(tmp_path / "m.slx")), duration=2.0))
+    assert run.integrator == "rodas5p"
+    assert run.steps < 250  # explicit steps would be 900 and more
+    np.testing.assert_allclose(shown(run, "filtered"), exact(run.time), rtol=0, atol=1e-8)
+
+
+def test_what_rosenbrock_steps_cannot_pass_is_left_to_drake(tmp_path):
+    """A signal grows beside a fast filter: x' = x^2 has a pole at 1 s."""
+    rig = Rig()
+    filtered_sine(rig)
+    growing = rig.block("Integrator", "x", "", InitialCondition="1")
+    rig.connect(rig.block("Math", "square", growing, Operator="square"), growing)
+    rig.show(growing, "x")
+    run = rig.run(tmp_path, 2.0, accuracy=1e-6)
+    assert run.integrator == "runge_kutta3"
+    assert run.stopped
+    assert run.ended == pytest.approx(1.0, abs=1e-3)
+    assert shown(run, "x")[100] == pytest.approx(1.0 / (1.0 - run.time[100]), rel=1e-5)
+
+
+@pytest.mark.parametrize("what", ["stop", "sampled"])
+def test_where_something_happens_between_steps_drake_takes_them(tmp_path, what):
+    rig = Rig()
+    exact = filtered_sine(rig)
+    if what == "stop":
+        rig.block("Stop", "stop", rig.constant("0"))
+    else:
+        rig.show(rig.block("ZeroOrderHold", "hold", sine(rig), SampleTime="0.1"), "held")
+    run = rig.run(tmp_path, 0.6, accuracy=1e-5)
+    assert run.integrator == "runge_kutta3"
+    np.testing.assert_allclose(shown(run, "filtered"), exact(run.time), rtol=0, atol=1e-5)
 
 
 def foot_of(run):

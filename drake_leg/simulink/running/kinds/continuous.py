@@ -154,6 +154,7 @@ def _linear(
     w.kept["linear"] = A, B
     codes = []
     if n:
+        w.fades(np.linalg.eigvals(A))
         x0 = np.broadcast_to(np.asarray(start, dtype=float), (n,)).copy()
         state = w.state(x0)
         w.kept["x"] = state.code
@@ -161,6 +162,13 @@ def _linear(
     if np.any(D) or not n:
         codes.append(f"{w.constant(D, 'D')} @ {w.vector(0).code}")
     w.out(f"settled({' + '.join(codes)})")
+
+
+def _linear_fraction(w: Writer, numerator: np.ndarray, denominator: np.ndarray) -> None:
+    """Write a transfer function, from rest; its states are of the size of what it puts out."""
+    A, B, C, D = tf2ss(numerator, denominator)
+    size = np.abs(C).max(initial=0.0) or 1.0
+    _linear(w, A, size * B, C / size, D, 0.0)
 
 
 def _linear_after(w: Writer) -> None:
@@ -201,8 +209,7 @@ def transfer_function(w: Writer) -> None:
         w.kept["linear"] = np.zeros((0, 0)), np.zeros((0, 1))
         w.out(f"{literal(numerator[0] / denominator[0])} * {w.numeric().code}")
         return
-    A, B, C, D = tf2ss(numerator, denominator)
-    _linear(w, A, B, C, D, 0.0)
+    _linear_fraction(w, numerator, denominator)
 
 
 @kind("ZeroPole", finish=_linear_after, direct=_direct_linear, continuous=True)
@@ -212,8 +219,7 @@ def zero_pole(w: Writer) -> None:
     numerator, denominator = zpk2tf(
         get("Zeros", "[1]"), get("Poles", "[0 -1]"), w.settings.number("Gain", "1")
     )
-    A, B, C, D = tf2ss(np.atleast_1d(numerator), denominator)
-    _linear(w, A, B, C, D, 0.0)
+    _linear_fraction(w, np.atleast_1d(numerator), denominator)
 
 
 @kind("StateSpace", finish=_linear_after, direct=_direct_linear, continuous=True)
@@ -326,6 +332,8 @@ def _derivative_term(w: Writer, u: Operand, gain: Signal, *, discrete: bool) -> 
     start = w.settings.array("InitialConditionForFilter", "0")
     f = w.remembered(start, 1) if discrete else w.state(start, 1)
     n = w.settings.array("N", "100")
+    if not discrete:
+        w.fades((-np.ravel(n)).tolist())
     made = w.let(f"{w.constant(n)} * ({w.constant(gain)} * {u.code} - {f.code})", "derivative_part")
     w.kept["f"], w.kept["filter"] = f.code, made.code
     return made

@@ -70,6 +70,7 @@ def _filtered(w: Writer, u: Operand, order: int) -> None:
     tau = w.settings.number("InputFilterTimeConstant", ".001") or FILTER
     y = w.state(u.value, 0)
     w.kept["filter"] = True
+    w.fades([-1.0 / tau])
     if order == 1:
         first = w.let(f"({u.code} - {y.code}) / {literal(tau)}", "rate")
         w.kept["first"] = first.code

@@ -1,0 +1,168 @@
+"""Rodas5P: stiff equations in linearly implicit steps of order 5, with error control.
+
+The method is G. Steinebach's: Construction of Rosenbrock-Wanner method Rodas5P and numerical
+benchmarks within the Julia Differential Equations package, BIT Numerical Mathematics 63 (2023).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg.lapack import dgetrf, dgetrs
+
+Array = NDArray[np.float64]
+Rates = Callable[[float, Array], Array]
+
+GAMMA = 0.21193756319429014
+_A = """3
+2.849394379747939 0.45842242204463923
+-6.954028509809101 2.489845061869568 -10.358996098473584
+2.8029986275628964 0.5072464736228206 -0.3988312541770524 -0.04721187230404641
+-7.502846399306121 2.561846144803919 -11.627539656261098 -0.18268767659942256 0.030198172008377946
+-7.502846399306121 2.561846144803919 -11.627539656261098 -0.18268767659942256 0.030198172008377946 1
+-7.502846399306121 2.561846144803919 -11.627539656261098 -0.18268767659942256 0.030198172008377946 1 1
+"""  # noqa: E501 - a row a line
+_C = """-14.155112264123755
+-17.97296035885952 -2.859693295451294
+147.12150275711716 -1.41221402718213 71.68940251302358
+165.43517024871676 -0.4592823456491126 42.90938336958603 -5.961986721573306
+24.854864614690072 -3.0009227002832186 47.4931110020768 5.5814197821558125 -0.6610691825249471
+30.91273214028599 -3.1208243349937974 77.79954646070892 34.28646028294783 -19.097331116725623 -28.087943162872662
+37.80277123390563 -3.2571969029072276 112.26918849496327 66.9347231244047 -40.06618937091002 -54.66780262877968 -9.48861652309627
+"""  # noqa: E501 - a row a line
+NODES = (0.0, 0.6358126895828704, 0.4095798393397535, 0.9769306725060716, 0.4288403609558664,
+         1.0, 1.0, 1.0)  # fmt: skip
+OF_TIME = (0.21193756319429014, -0.42387512638858027, -0.3384627126235924, 1.8046452872882734,
+           2.325825639765069, 0.0, 0.0, 0.0)  # fmt: skip
+BETWEEN = np.array([
+    [25.948786856663858, -2.5579724845846235, 10.433815404888879, -2.3679251022685204,
+     0.524948541321073, 1.1241088310450404, 0.4272876194431874, -0.17202221070155493],
+    [-9.91568850695171, -0.9689944594115154, 3.0438037242978453, -24.495224566215796,
+     20.176138334709044, 15.98066361424651, -6.789040303419874, -6.710236069923372],
+    [11.419903575922262, 2.8879645146136994, 72.92137995996029, 80.12511834622643,
+     -52.072871366152654, -59.78993625266729, -0.15582684282751913, 4.883087185713722],
+])  # fmt: skip
+STAGES = len(NODES)
+ORDER = 5
+SAFETY, LEAST, MOST = 0.9, 0.2, 6.0  # of the change of a step
+FIRST = 1e-4  # of the longest step, at the start
+ROUNDING = 1e-13  # of a state, below which its error is not seen
+DIFFERENCE = math.sqrt(np.finfo(float).eps)
+
+
+def _lower(text: str) -> list[Array]:
+    rows = [np.array(line.split(), dtype=float) for line in text.splitlines()]
+    return [np.zeros(0), *rows]
+
+
+A, C = _lower(_A), _lower(_C)
+
+
+class StepError(Exception):
+    """Steps would have to be too short."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+
+
+class Rosenbrock:
+    """A solution in the making.
+
+    Parameters
+    ----------
+    rates : callable
+        Derivatives of the states, of time and states.
+    t : float
+        Time at the start [s].
+    x : (n,)
+        States at the start.
+    accuracy : float
+        Largest error of a state in one step.
+    longest, shortest : float
+        Bounds of the steps [s].
+    """
+
+    def __init__(
+        self, rates: Rates, t: float, x: Array, *, accuracy: float, longest: float, shortest: float
+    ) -> None:
+        self.t, self.x, self.steps = t, x.copy(), 0
+        self._rates = rates
+        self._accuracy, self._longest, self._shortest = accuracy, longest, shortest
+        self._step = FIRST * longest
+        self._from, self._before = t, self.x
+        self._slopes = np.zeros((len(BETWEEN), x.size))
+
+    def step(self, end: float) -> None:
+        """Take a step, at most to ``end``, where the rates may jump.
+
+        Raises
+        ------
+        StepError
+            If no step of a reasonable length keeps the accuracy.
+        """
+        t, x, last = self.t, self.x, math.nextafter(end, -math.inf)
+
+        def rates(time: float, states: Array) -> Array:
+            return self._rates(min(time, last), states)
+
+        now = rates(t, x)
+        jacobian, of_time = self._linearized(rates, now, end)
+        while True:
+            whole = self._step >= (end - t) * (1.0 - 1e-9)
+            h = end - t if whole else self._step
+            if h < self._shortest and not whole:
+                raise StepError(f"no step keeps the accuracy at {t:g} s")
+            increments = _increments(rates, t, x, h, now, jacobian, of_time)
+            new = x + A[-1] @ increments[:-1] + increments[-1]
+            error = np.abs(increments[-1]) / (self._accuracy + ROUNDING * np.abs(x))
+            worst = float(error.max())
+            if not math.isfinite(worst):
+                self._step = LEAST * h
+            else:
+                change = min(MOST, max(LEAST, SAFETY * max(worst, 1e-12) ** (-1.0 / ORDER)))
+                self._step = min(h * change, self._longest)
+                if worst <= 1.0:
+                    break
+        self._from, self._before = t, x
+        self._slopes = BETWEEN @ increments
+        self.t, self.x = (end if whole else t + h), new
+        self.steps += 1
+
+    def _linearized(self, rates: Rates, now: Array, end: float) -> tuple[Array, Array]:
+        """Return the derivatives of the rates by the states, and by time."""
+        t, x = self.t, self.x
+        jacobian = np.empty((x.size, x.size))
+        for k in range(x.size):
+            moved = x.copy()
+            moved[k] += DIFFERENCE * max(1.0, abs(x[k]))
+            jacobian[:, k] = (rates(t, moved) - now) / (moved[k] - x[k])
+        later = t + min(DIFFERENCE * max(1.0, abs(t)), 0.5 * (end - t))
+        return jacobian, (rates(later, x) - now) / (later - t)
+
+    def at(self, time: float) -> Array:
+        """Return the states at a time within the last step."""
+        if time == self.t:
+            return self.x
+        share = (time - self._from) / (self.t - self._from)
+        first, second, third = self._slopes
+        bend = first + share * (second + share * third)
+        found: Array = (1.0 - share) * self._before + share * (self.x + (1.0 - share) * bend)
+        return found
+
+
+def _increments(
+    rates: Rates, t: float, x: Array, h: float, now: Array, jacobian: Array, of_time: Array
+) -> Array:
+    """Return what each stage adds; the last is the error of the solution without it."""
+    found = np.zeros((STAGES, x.size))
+    lu, pivots, _ = dgetrf(np.eye(x.size) / (h * GAMMA) - jacobian, overwrite_a=True)
+    for stage in range(STAGES):
+        slope = now
+        if stage:
+            slope = rates(t + NODES[stage] * h, x + A[stage] @ found[:stage])
+            slope = slope + C[stage] @ found[:stage] / h
+        found[stage] = dgetrs(lu, pivots, slope + h * OF_TIME[stage] * of_time)[0]
+    return found

@@ -1,0 +1,95 @@
+"""Rosenbrock steps: their order, stiff equations, jumps, and where they must give up."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from drake_leg.simulink.running.rosenbrock import Rosenbrock, StepError
+
+
+def swing(t, x):
+    return np.array([x[1], -x[0] * np.cos(t) + np.sin(x[1] * t)])
+
+
+def lag(t, x):
+    """A stiff lag behind a sine, from where it follows it exactly."""
+    return -1e6 * (x - np.sin(t)) + np.cos(t)
+
+
+def solved(rates, x, end, accuracy, longest=1.0, corners=()):
+    solution = Rosenbrock(
+        rates, 0.0, np.array(x, dtype=float), accuracy=accuracy, longest=longest, shortest=1e-10
+    )
+    for corner in (*corners, end):
+        while solution.t < corner:
+            solution.step(corner)
+    return solution
+
+
+def of_equal_steps(count):
+    """Solve by so many equal steps, and look at the middle of each."""
+    solution = Rosenbrock(
+        swing, 0.0, np.array([1.0, 0.0]), accuracy=1e9, longest=2.0 / count, shortest=0.0
+    )
+    solution._step = 2.0 / count
+    between = []
+    while solution.t < 2.0:
+        solution.step(2.0)
+        middle = solution.t - 1.0 / count
+        between.append((middle, solution.at(middle)))
+    assert solution.steps == count
+    return solution.x, between
+
+
+def test_steps_are_of_order_5_and_between_them_4():
+    exact = solve_ivp(
+        swing, (0.0, 2.0), [1.0, 0.0], "DOP853", rtol=1e-13, atol=1e-13, dense_output=True
+    )
+    ends, middles = [], []
+    for count in (16, 32, 64):
+        x, between = of_equal_steps(count)
+        ends.append(np.abs(x - exact.y[:, -1]).max())
+        middles.append(max(np.abs(x - exact.sol(t)).max() for t, x in between))
+    orders = np.log2(np.array(ends[:-1]) / ends[1:])
+    assert orders.min() > 4.7
+    assert np.log2(np.array(middles[:-1]) / middles[1:]).min() > 3.7
+    assert ends[-1] < 2e-8
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-6, 1e-8])
+def test_the_accuracy_is_kept(accuracy):
+    exact = solve_ivp(swing, (0.0, 2.0), [1.0, 0.0], "DOP853", rtol=1e-13, atol=1e-13)
+    solution = solved(swing, [1.0, 0.0], 2.0, accuracy)
+    assert np.abs(solution.x - exact.y[:, -1]).max() < 3.0 * accuracy
+
+
+def test_stiff_equations_take_long_steps():
+    """Its time constant is 1 us; explicit steps would be millions."""
+    solution = solved(lag, [0.0], 10.0, 1e-6)
+    assert abs(solution.x[0] - np.sin(10.0)) < 1e-6
+    assert solution.steps < 80
+
+
+def test_no_step_looks_beyond_a_corner():
+    seen = []
+
+    def rates(t, x):
+        seen.append(t)
+        return np.array([1.0 if t < 0.5 else -2.0])
+
+    solution = solved(rates, [0.0], 0.5, 1e-9)
+    assert max(seen) < 0.5
+    assert solution.x[0] == pytest.approx(0.5, abs=1e-14)
+    assert solved(rates, [0.0], 1.0, 1e-9, corners=[0.5]).x[0] == pytest.approx(-0.5, abs=1e-14)
+
+
+def test_what_jumps_elsewhere_is_met_by_short_steps():
+    solution = solved(lambda t, x: np.array([1.0 if x[0] < 0.3 else 0.25]), [0.0], 1.0, 1e-8)
+    assert solution.x[0] == pytest.approx(0.3 + 0.7 / 4.0, abs=1e-7)
+
+
+def test_it_gives_up_at_a_pole_and_where_rates_are_no_numbers():
+    with pytest.raises(StepError):
+        solved(lambda t, x: x * x, [1.0], 2.0, 1e-6)
+    with pytest.raises(StepError):
+        solved(lambda t, x: np.where(t < 0.7, 1.0, np.nan) * x, [1.0], 2.0, 1e-6)
