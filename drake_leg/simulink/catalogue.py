@@ -353,6 +353,10 @@ _ACTING: dict[str, Parameters] = {
     + quantities("deg", WormLeadAngle="20")
     + quantities("m", CenterDistance="0.2", WormRadius="0.1", GearRadius="0.1")
     + numbers(Ratio="1"),
+    "Distance Constraint": quantities("m", Distance="0"),  # refused: the file must say it
+    "Angle Constraint": choices(Type="not given") + quantities("deg", Angle="0"),
+    "Point on Curve Constraint": (),
+    "Spline": choices(EndConditionType="not given") + quantities("m", DataPoints="[]"),
     "Infinite Plane": (),
     "Point": (),
     "Disk": quantities("m", Radius="1"),
@@ -364,9 +368,8 @@ _ACTING: dict[str, Parameters] = {
 
 _WITHOUT_TABLE = """
 Magic Formula Tire Force and Torque, Joint Mode
-Configuration, Simscape Multibody Explorer, Connection Frame, Spline,
-Convex Hull, Point on Curve Constraint, Angle Constraint,
-Distance Constraint, Point on Surface Constraint, Flexible Angle Beam, Flexible
+Configuration, Simscape Multibody Explorer, Connection Frame,
+Convex Hull, Point on Surface Constraint, Flexible Angle Beam, Flexible
 Channel Beam, Flexible Cylindrical Beam, Flexible I Beam, Flexible Rectangular Beam, Flexible T
 Beam, General Flexible Beam, General Flexible Plate, Reduced Order Flexible Solid, Variable
 Brick Solid, Variable Cylindrical Solid, Variable Spherical Solid, General Variable Mass,

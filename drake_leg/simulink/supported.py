@@ -89,6 +89,7 @@ def in_mechanism(kind: str) -> str:
 
 
 _ACTS = "acts"
+_HOLDS = "acts; met at the start"
 _SENSES = "senses"
 _MOVES = "moves: springs, dampers, limits, inputs, sensing"
 _IN_MOTION = {
@@ -110,6 +111,10 @@ _IN_MOTION = {
     "Bevel Gear Constraint": _ACTS,
     "Rack and Pinion Constraint": _ACTS,
     "Worm and Gear Constraint": _ACTS,
+    "Distance Constraint": _HOLDS,
+    "Angle Constraint": _HOLDS,
+    "Point on Curve Constraint": _HOLDS,
+    "Spline": "a curve for points",
     "Weld Joint": "–",
     "Lead Screw Joint": "moves: sensing",
     "6-DOF Joint": f"{_MOVES}; between connected bodies it senses, and acts where it has springs",

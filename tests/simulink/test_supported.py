@@ -11,6 +11,10 @@ from drake_leg.simulink.dynamics.system import mechanism_dynamics
 from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES
 from drake_leg.simulink.supported import LEFT_OUT, REFUSED, in_mechanism, in_motion, page
 
+NEEDED = {
+    "Distance Constraint": {"Distance": "0.7"},
+    "Angle Constraint": {"Type": "Perpendicular"},
+}
 PAGE = Path(__file__).parents[2] / "docs" / "blocks.md"
 
 
@@ -44,8 +48,10 @@ def test_what_the_page_says_of_a_block_is_so(tmp_path, kind):
 def test_what_the_page_says_of_a_block_in_motion_is_so(tmp_path, kind):
     """A force or a constraint between two joints acts, or is left out by name."""
     built = MechanismBuilder()
-    built.body(kind, "It")
+    built.body(kind, "It", **NEEDED.get(kind, {}))
+    built.body("Spline", "Way", DataPoints="[0 0; 1 0]", EndConditionType="Natural")
     for name, side, place in (("A", "lconn:1", "0.3"), ("B", "rconn:1", "-0.4")):
+        first = name == "A"
         built.transform(f"To{name}", offset=f"[{place} 0 0.1]")
         built.joint("Revolute", f"J{name}", PositionTargetSpecify="on", PositionTargetValue="20")
         built.body("Brick Solid", f"Brick{name}", BrickDimensions="[2 1 1]",
@@ -53,8 +59,11 @@ def test_what_the_page_says_of_a_block_in_motion_is_so(tmp_path, kind):
         built.meet("World", f"To{name} lconn:1")
         built.meet(f"To{name}", f"J{name} lconn:1")
         built.meet(f"J{name}", f"Brick{name}")
-        touches = kind == "Spatial Contact Force" or (kind.startswith("Point on") and name == "A")
+        touches = kind == "Spatial Contact Force" or (kind.endswith("Surface Constraint") and first)
         end = f"Brick{name} lconn:1" if touches else f"J{name}"
+        if kind == "Point on Curve Constraint" and first:
+            built.meet(end, "Way lconn:1")
+            end = "Way"
         built.physical(*(port_of(built, each) for each in (end, f"It {side}")))
     system = mechanism_dynamics(built.model(tmp_path))
     assert (kind in system.left_out) == (in_motion(kind) == LEFT_OUT)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Literal, TypeVar
 
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics.constraints import Distance, OnCurve, angle_of
 from drake_leg.simulink.dynamics.contact import Contact, ContactLaw, Side
 from drake_leg.simulink.dynamics.contact_sensing import MEASURES, sensed_of_contact
+from drake_leg.simulink.dynamics.curves import curve_of
 from drake_leg.simulink.dynamics.drake_contact import DrakeContact
 from drake_leg.simulink.dynamics.forces import (
     ExternalForce,
@@ -51,6 +53,11 @@ GEARS = (
     "Common Gear Constraint", "Bevel Gear Constraint", "Rack and Pinion Constraint",
     "Worm and Gear Constraint",
 )  # fmt: skip
+HELD: Mapping[str, Callable[[Block, Place, Place], Constraint]] = {
+    "Distance Constraint": Distance,
+    "Angle Constraint": angle_of,
+}
+ON_CURVE = "Point on Curve Constraint"
 CONTACT = "Spatial Contact Force"
 
 
@@ -148,6 +155,11 @@ class Applied:
         elif kind in GEARS:
             places = self._frames(block, BASE, FOLLOWER)
             self.constraints += [gear_of(block, *places)] if places else []
+        elif kind in HELD:
+            places = self._frames(block, BASE, FOLLOWER)
+            self.constraints += [HELD[kind](block, *places)] if places else []
+        elif kind == ON_CURVE:
+            self._add_on_curve(block)
         elif kind in (*FORCES, *CONSTRAINTS):
             self._leave_out(block)
 
@@ -162,6 +174,21 @@ class Applied:
             self._leave_out(block)
             return []
         return [place for place in found if place is not None]
+
+    def _add_on_curve(self, block: Block) -> None:
+        """Add the constraint of a point on a Spline."""
+        ends = self._touching.get(f"{block.sid}#{BASE}", ())
+        others = (self._network.blocks[split_port(end)[0]] for end in ends)
+        curves = [other for other in others if other.kind == "Spline"]
+        if not curves:
+            self._leave_out(block)
+            return
+        base = self._places.at(self._network.frame(f"{curves[0].sid}#{BASE}"))
+        follower = self._places.at(self._network.frame(f"{block.sid}#{FOLLOWER}"))
+        if base is None or follower is None:
+            self._leave_out(block)
+            return
+        self.constraints.append(OnCurve(block, base, follower, curve_of(curves[0])))
 
     def _add_pair(self, block: Block) -> None:
         places = self._frames(block, BASE, FOLLOWER)

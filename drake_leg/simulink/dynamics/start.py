@@ -5,16 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import QuaternionFloatingJoint
 from scipy.linalg import null_space
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.acting import Acting
+from drake_leg.simulink.dynamics.constraints import Between, OnCurve
 from drake_leg.simulink.dynamics.coordinates import Axis
+from drake_leg.simulink.dynamics.welds import Welded
 from drake_leg.simulink.multibody.assembly import Assembly
 from drake_leg.simulink.multibody.mass import Array
 from drake_leg.simulink.multibody.plant import set_posture
 
-CLOSED = 1e-6  # [m, rad], of loops at the start
+CLOSED = 1e-6  # [m, rad], of loops and constraints at the start
+ROUNDING = 1e-12  # [m, rad]
+STEPS = 60
+LONGEST = 0.3  # [rad or m], of a step
 REDUNDANT = 1e-9  # of the greatest singular value
 
 Level = tuple[Array, Array]  # rows (r, n) and values (r,) of `rows @ v = values`
@@ -44,8 +51,88 @@ def start_of(acting: Acting, u: Array | None = None) -> Array:
     set_posture(plant, context, acting.tree, q)
     state = np.concatenate([plant.GetPositions(context), np.zeros(plant.num_velocities())])
     moment.move_to(state)
+    state = _met(acting, state, u)
     state[plant.num_positions() :] = prioritized(_levels(acting, u), plant.num_velocities())
     return state
+
+
+def _met(acting: Acting, state: Array, u: Array | None) -> Array:
+    """Return the state nearby in which constraints between frames are met, by Newton's method.
+
+    Driven axes stay at their motions. Targets of high priority move only if there is no other way.
+    """
+    held = [each for each in acting.constraints if isinstance(each, Between | OnCurve)]
+    if not held:
+        return state
+    found, left = state, _gap(acting, state)
+    for firm in (True, False):
+        if left <= ROUNDING:
+            break
+        moved = _newton(acting, state, _kept(acting, u, firm=firm))
+        if _gap(acting, moved) < left:
+            found, left = moved, _gap(acting, moved)
+    if left > CLOSED:
+        names = ", ".join(repr(each.block.name) for each in held[:5])
+        raise InvalidValueError(
+            f"the constraints {names} are {left:.2g} rad or m off at the start: change state "
+            "targets or motions that cannot be met together"
+        )
+    acting.moment.move_to(found)
+    return found
+
+
+def _gap(acting: Acting, state: Array) -> float:
+    """Return the greatest gap of what has a gap [rad or m]."""
+    return float(np.abs(_gaps(acting, state)[0]).max(initial=0.0))
+
+
+def _gaps(acting: Acting, state: Array) -> Level:
+    """Return the gaps of constraints (r,) [rad or m], and their rates per velocity (r, nv)."""
+    moment = acting.moment
+    moment.move_to(state)
+    with_gap = [each for each in acting.constraints if isinstance(each, Between | OnCurve | Welded)]
+    return (
+        np.concatenate([each.gap(moment) for each in with_gap]),
+        np.vstack([each.jacobian(moment) for each in with_gap]),
+    )
+
+
+def _newton(acting: Acting, state: Array, kept: Array) -> Array:
+    """Return the state after steps that close the gaps, along velocities that keep some rows."""
+    plant, N = acting.plant, null_space(kept, rcond=REDUNDANT)
+    for _ in range(STEPS):
+        gap, J = _gaps(acting, state)
+        if np.abs(gap).max() <= ROUNDING or not N.shape[1]:
+            break
+        v = N @ np.linalg.lstsq(J @ N, -gap, rcond=REDUNDANT)[0]
+        v *= min(1.0, LONGEST / max(float(np.abs(v).max()), LONGEST))
+        q = acting.moment.q + plant.MapVelocityToQDot(acting.moment.context, v)
+        state = np.concatenate([_normalized(plant, q), np.zeros(plant.num_velocities())])
+    return state
+
+
+def _normalized(plant: MultibodyPlant, q: Array) -> Array:
+    """Return positions whose quaternions have length 1."""
+    q = q.copy()
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        if joint.type_name() == QuaternionFloatingJoint.kTypeName:
+            first = joint.position_start()
+            q[first : first + 4] /= np.linalg.norm(q[first : first + 4])
+    return q
+
+
+def _kept(acting: Acting, u: Array | None, *, firm: bool) -> Array:
+    """Return the rows (r, nv) of velocities that stay: of motions, and of firm targets."""
+    joints = acting.joints
+    driven = {motion.axis for motion in joints.motions} if u is not None else set()
+    rows = [joints.S[[axis]] for axis in sorted(driven)]
+    for number, coordinate in enumerate(acting.coordinates):
+        primitive = coordinate.primitive
+        if firm and primitive.firm and primitive.target is not None:
+            size = (0.0,) * primitive.positions
+            rows.append(_target(acting, size, number)[0])
+    return np.vstack([np.zeros((0, acting.plant.num_velocities())), *rows])
 
 
 def prioritized(levels: Iterable[Level], size: int) -> Array:
