@@ -1,4 +1,4 @@
-"""Variables of .mat files, read by SciPy; nothing in them is carried out."""
+"""Variables of .mat files, read by SciPy and h5py; nothing in them is carried out."""
 
 from __future__ import annotations
 
@@ -13,20 +13,23 @@ from scipy.io import loadmat, whosmat
 from scipy.io.matlab import MatlabOpaque
 
 from drake_leg.simulink.matlab.data import Cell, LackError, Struct, Structs, settled
+from drake_leg.simulink.matlab.hdf5files import names_of_hdf5, read_hdf5
 from drake_leg.simulink.matlab.objects import Objects, elements_of, read_element
 
 MAT_BYTES = 100_000_000  # of a file, and of what is packed in it
 _HEAD = 128
+_HDF5 = (b"MATLAB 7.3", b"\x89HDF\r\n\x1a\n")  # how files of version 7.3 begin
 _PACKED = 15  # kind of an element that is compressed
 
 
 def read_mat(path: Path) -> dict[str, Any]:
-    """Read the variables of a .mat file of versions 4 to 7.2.
+    """Read the variables of a .mat file of versions 4 to 7.3.
 
     Raises
     ------
     LackError
-        If it is none, is damaged, larger than the limits, or of version 7.3.
+        If it is none, is damaged or larger than the limits; or if it is of version 7.3 and h5py is
+        not installed.
     """
     try:
         if path.stat().st_size > MAT_BYTES:
@@ -34,8 +37,8 @@ def read_mat(path: Path) -> dict[str, Any]:
         content = path.read_bytes()
     except OSError as error:
         raise LackError(f"{path.name} cannot be read: {error.strerror}") from None
-    if content.startswith((b"MATLAB 7.3", b"\x89HDF\r\n\x1a\n")):
-        raise LackError(f"{path.name} is a .mat file of version 7.3: save it with '-v7'")
+    if content.startswith(_HDF5):
+        return read_hdf5(path)
     if content.startswith(b"MATLAB 5"):
         _require_small(content, path.name)
     try:
@@ -56,6 +59,9 @@ def names_of_mat(path: Path) -> set[str]:
     try:
         if path.stat().st_size > MAT_BYTES:
             return set()
+        with path.open("rb") as file:
+            if file.read(_HEAD).startswith(_HDF5):
+                return names_of_hdf5(path)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return {name for name, _, _ in whosmat(path)}
