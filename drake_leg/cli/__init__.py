@@ -31,6 +31,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Whatever goes wrong, also while modules load, becomes one sentence.
     """
+    if arguments is None:
+        _multiply_alone()
     with interruptible() as interrupts:
         try:
             status = _result(arguments)
@@ -40,6 +42,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None and interrupts.received is not None:
         _leave(status)
     return status
+
+
+def _multiply_alone() -> None:
+    """Let one thread compute with matrices, unless the user says otherwise.
+
+    A robot's are so small that sharing them among threads takes longer than computing them, and
+    where other programs are busy, a hundred times as long. NumPy and SciPy read this as they load.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _leave(status: int) -> NoReturn:

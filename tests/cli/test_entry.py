@@ -1,4 +1,8 @@
-"""What the command line says to what it cannot parse."""
+"""What the command line says to what it cannot parse; the threads of its process."""
+
+import os
+import subprocess
+import sys
 
 import pytest
 
@@ -156,3 +160,16 @@ def test_a_walk_that_the_robot_cannot_make_ends_with_status_3(capsys, monkeypatc
     assert out == ""
     assert err.startswith("drake-leg: the foot of left_front would be 0.2")
     assert err.endswith("is the greatest that works; --force goes on\n")
+
+
+@pytest.mark.parametrize(("given", "threads"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
+def test_matrices_are_left_to_one_thread_before_numpy_loads(given, threads):
+    code = (
+        "import os, sys; from drake_leg.cli import main; loaded = 'numpy' in sys.modules; "
+        "sys.argv[1:] = []; main(); print(loaded, os.environ['OPENBLAS_NUM_THREADS'])"
+    )
+    others = {name: one for name, one in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=others | given, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines()[-1] == f"False {threads}"
