@@ -46,7 +46,8 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         type=Path,
         default=[],
         metavar="FILE",
-        help="script (.m) or .mat file that gives values to the model's variables; repeatable",
+        help="script (.m), .mat file, or model with a workspace (.slx) that gives values to the "
+        "model's variables; repeatable",
     )
     parser.add_argument(
         "--variant",

@@ -84,6 +84,11 @@ class SimulinkFile:
         """The model workspace that the file itself keeps, packed."""
         return self._parts.read(_WORKSPACE)
 
+    @property
+    def is_model(self) -> bool:
+        """Whether it is a model, not a library or a subsystem, which others lend their values."""
+        return self._holder is None or self._holder.tag == "Model"
+
     @cached_property
     def _holder(self) -> Element | None:
         """The element of the model, library or subsystem as a whole."""

@@ -20,6 +20,7 @@ _BEFORE = ("PreLoadFcn", "PostLoadFcn")  # callbacks that MATLAB runs before a p
 _AFTER = ("InitFcn",)
 _NAME = re.compile(r"[A-Za-z]\w{0,62}")
 SCRIPTS = (".m", ".mat")
+MODELS = (".slx", ".mdl")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +28,7 @@ class Given:
     """What a person gives beside the model's file."""
 
     values: Mapping[str, Any] = field(default_factory=dict)  # name to number or MATLAB text
-    init: Sequence[Path] = ()  # scripts and .mat files
+    init: Sequence[Path] = ()  # scripts, .mat files, and models that lend their own workspace
     paths: Sequence[Path] = ()  # folders
 
 
@@ -45,7 +46,9 @@ class Variables:
     used : dict
         Names of variables that were used, to their sources.
     init : tuple of Path
-        The scripts and .mat files that a person gave.
+        The scripts, .mat files and models that a person gave.
+    is_lent : bool
+        Whether another model lends the values, as to a library.
     """
 
     def __init__(self, workspace: Workspace) -> None:
@@ -54,6 +57,7 @@ class Variables:
         self.own_sources: dict[str, str] = {}
         self.used: dict[str, str] = {}
         self.init: tuple[Path, ...] = ()
+        self.is_lent = False
 
     def note(self, name: str) -> None:
         """Note that a variable is used."""
@@ -106,6 +110,7 @@ def variables_of(
     workspace.model = file.path.stem
     found = Variables(workspace)
     found.init = tuple(path.resolve() for path in given.init)
+    found.is_lent = not file.is_model
     for name, value in given.values.items():
         _set(workspace, name, value)
     for callback in _BEFORE:
@@ -145,13 +150,20 @@ def _from_python(value: Any) -> Any:  # noqa: ANN401
 
 
 def _run_given(workspace: Workspace, path: Path) -> None:
-    """Run a script, or read a .mat file, that a person gives."""
-    if path.suffix.lower() not in SCRIPTS:
-        raise InvalidValueError(f"{path} is neither a script (.m) nor a .mat file: give one")
+    """Run a script, or read a .mat file or the workspace of a model, that a person gives."""
+    if path.suffix.lower() not in (*SCRIPTS, *MODELS):
+        raise InvalidValueError(
+            f"{path} is neither a script (.m) nor a .mat file, nor a model: give one"
+        )
     if not path.is_file():
         raise InvalidValueError(f"there is no file {path}: give one that exists")
     if path.suffix.lower() == ".mat":
         workspace.load(path)
+    elif path.suffix.lower() in MODELS:
+        lender = Variables(workspace)
+        _read_own(SimulinkFile(path), lender)
+        for name in lender.own.keys() - workspace.fixed:
+            workspace.set(name, lender.own[name], f"model workspace of {path.name}")
     else:
         workspace.run_file(path)
 

@@ -9,22 +9,25 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.lacks import Lack, lacks_of
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.folders import Folders, text_of
-from drake_leg.simulink.matlab.matfiles import names_of_mat
+from drake_leg.simulink.matlab.matfiles import names_of_mat, read_struct
 from drake_leg.simulink.matlab.names import assigned
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.model import Model
 
 MOST_SCRIPTS = 3
+MOST_MODELS = 100  # whose workspaces are looked into
 _SHORT = 4_000  # letters; a longer script does more than run others
+_ENDINGS = (".slx", ".mat", ".m")  # the best last
 _DEPTH = 4  # scripts that scripts run
 
 
 @dataclass(frozen=True, kw_only=True)
 class Suggestion:
-    """A script or .mat file that sets variables which a model lacks."""
+    """A script, .mat file or model that sets variables which a model lacks."""
 
     path: Path
     names: tuple[str, ...]  # that it sets
@@ -36,7 +39,7 @@ def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
 
     Of several that set as many: a script rather than a .mat file, one that sets them itself rather
     than one that only runs it, and the one nearest to the model. Those that are as good but for
-    that are its ``others``.
+    that are its ``others``. What a library lacks may lie in the workspace of a model, too.
     """
     missing = _missing(lacks)
     if not missing or model.variables is None:
@@ -44,11 +47,12 @@ def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
     folders = model.variables.workspace.folders
     done = set(model.variables.init)
     reader = _Reader(folders, set(missing))
-    ranked: dict[tuple[int, bool, int], list[Path]] = {}  # how good -> files, the nearest first
-    for path in (*folders.ending(".m"), *folders.ending(".mat")):
+    ranked: dict[tuple[int, int, int], list[Path]] = {}  # how good -> files, the nearest first
+    models = folders.ending(".slx")[:MOST_MODELS] if model.variables.is_lent else []
+    for path in (*folders.ending(".m"), *folders.ending(".mat"), *models):
         sets = reader.sets(path) if path.resolve() not in done else set()
         if sets:
-            rank = (len(sets), path.suffix == ".m", len(reader.own[path]))
+            rank = (len(sets), _ENDINGS.index(path.suffix), len(reader.own[path]))
             ranked.setdefault(rank, []).append(path)
     if not ranked:
         return None
@@ -114,6 +118,11 @@ class _Reader:
     def _looked_at(self, path: Path, depth: int) -> set[str]:
         if path.suffix.lower() == ".mat":
             self.own[path] = self._wanted & names_of_mat(path)
+            return self.own[path]
+        if path.suffix == ".slx":
+            content = SimulinkFile(path).workspace_content
+            names = set(read_struct(content, path.name)) if content else set()
+            self.own[path] = self._wanted & names
             return self.own[path]
         text = text_of(path)
         if len(text) > _SHORT and not self._word.search(text):

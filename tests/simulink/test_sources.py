@@ -356,3 +356,22 @@ def test_what_a_block_does_not_use_is_not_asked_for(tmp_path, source, texts, lac
     builder.add_library(f"sm_lib/{source}", "B", texts)
     lacks = lacks_of(read_model(builder.write(tmp_path / "m.slx")))
     assert {lack.parameter for lack in lacks} == lacking
+
+
+def test_what_a_library_lacks_a_model_lends(tmp_path):
+    savemat(tmp_path / "w.mat", {"workspace": {"L": 4.0}})
+    packed = b"\x00\x01IM\0\0\0\0" + (tmp_path / "w.mat").read_bytes()[128:]
+    (tmp_path / "w.mat").unlink()
+    lender = {**one_gain("L").parts(), "simulink/modelWorkspace.mxarray": packed}
+    lender_path = write_parts(tmp_path / "robot.slx", lender)
+    whole = "simulink/blockdiagram.xml"
+    parts = one_gain("2*L").parts()
+    model = write_parts(tmp_path / "model.slx", parts)
+    assert suggested(model) is None  # a model does not see another one's workspace
+    parts[whole] = parts[whole].replace("Model>", "Library>")
+    library = write_parts(tmp_path / "library.slx", parts)
+    found = suggested(library)
+    assert (found.path, found.names) == (lender_path, ("L",))
+    source = "model workspace of robot.slx"
+    assert gain(library, init=[found.path]) == (8.0, {"L": source})
+    assert gain(library, init=[found.path], values={"L": 1})[0] == 2.0

@@ -209,10 +209,11 @@ def runnable(
 
 
 def _solver(model: Model, duration: float | None) -> dict[str, float]:
-    start, stop = number(model.solver.get("StartTime")), number(model.solver.get("StopTime"), 10.0)
+    start = number(model.solver.get("StartTime"))
     if start:
         raise InvalidValueError(f"the model starts at {start:g} s; only a start at 0 runs")
-    found = {"duration": stop if duration is None else duration}
+    stop = duration if duration is not None else number(model.solver.get("StopTime"), 10.0)
+    found = {"duration": stop}
     if not math.isfinite(found["duration"]):
         raise InvalidValueError("the model runs for ever: give `duration`")
     longest = vector(model.solver.get("MaxStep"))

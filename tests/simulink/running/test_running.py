@@ -386,3 +386,30 @@ def test_contact_is_integrated_implicitly(tmp_path):
     weight = 1000.0 * 4.0 / 3.0 * np.pi * 0.1**3 * GRAVITY
     assert run.states[-1, 6] == pytest.approx(0.1 - weight / 1e4, abs=1e-6)
     assert run.steps < 3000
+
+
+def test_the_rate_of_a_filtered_force_is_a_state_in_the_unit_of_the_force(tmp_path):
+    """A damper by signals: an absolute accuracy means the same to the force and to its rate."""
+    rig = Rig()
+    speed = rig.block("Integrator", "speed", "", InitialCondition="1")
+    texts = {
+        "FilteringAndDerivatives": "filter", "SimscapeFilterOrder": "2",
+        "InputFilterTimeConstant": "1e-3",
+    }  # fmt: skip
+    kind = "nesl_utility/Simulink-PS Converter"
+    enters = rig.add_library(kind, "enters", texts, ports={"in": 1})
+    rig.connect(rig.block("Gain", "k", speed, Gain="-1e5"), enters)
+    leaves = rig.block("nesl_utility/PS-Simulink Converter", "leaves")
+    rig.physical(f"{enters}#rconn:1", f"{leaves}#lconn:1")
+    rig.connect(f"{leaves}#out:1", speed)
+    code = rig.code(tmp_path)
+    none = np.zeros(0)
+    found = code.functions()["derivatives"](0.0, [1.0, 2.0, 3.0], list(code.memory), none, none)
+    y, rate = 2.0, 3.0 / 1e-3
+    np.testing.assert_allclose(found, [y, rate, 1e-3 * ((-1e5 - y) / 1e-6 - 2.0 * rate / 1e-3)])
+
+
+def test_a_duration_stands_for_a_stop_time_that_is_not_known(tmp_path):
+    rig = Rig(solver={"StopTime": "2*T_cg"})
+    rig.show(rig.block("Clock", "t"), "t")
+    assert rig.run(tmp_path, 0.1).ended == pytest.approx(0.1)

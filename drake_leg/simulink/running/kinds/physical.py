@@ -76,6 +76,14 @@ def _filtered(w: Writer, u: Operand, order: int) -> None:
         w.kept["first"] = first.code
         zero = "0.0" if u.is_scalar else f"zeros({u.shape})"
         dots = (first.code, zero)
+    elif not w.node.feeds_motion:
+        # The second state is the rate times tau: in its own unit, an absolute accuracy of the
+        # integration would ask for a thousand times more of the rate than of the signal.
+        v = w.state(zero_like(u.value), 1)
+        first = w.let(f"{v.code} / {literal(tau)}", "rate")
+        second = w.let(f"({u.code} - {y.code} - 2.0 * {v.code}) / {literal(tau)}", "change")
+        w.kept["first"], w.kept["second"] = first.code, second.code
+        dots = (first.code, w.let(f"{second.code} / {literal(tau)}", "acceleration").code)
     else:
         v = w.state(zero_like(u.value), 1)
         second = w.let(
