@@ -215,8 +215,10 @@ class Writer:
         self.settings = Settings(node.block)
         self.kept: dict[str, Any] = {}  # from the outputs to what comes after them
         self.period: float | None = None  # [s], of a block that is sampled
+        self.restart = ""  # condition on which it starts again as at first
         self._lines: list[str] = []
         self._memories: list[str] = []
+        self._restarts: list[str] = []
 
     # --- inputs ---
 
@@ -327,6 +329,12 @@ class Writer:
             here = f"array(x[{made.first}:{made.last}])"
             if len(shape_of(made.start)) == 2:
                 here = f"{here}.reshape({shape_of(made.start)}, order='F')"
+        if self.restart:
+            fresh = self.constant(made.start)
+            here = f"{fresh} if {self.restart} else {here}"
+            self.pen.resets = True
+            self._restarts.append(f"if {self.restart}:")
+            self._restarts.append(f"    after[{made.first}:{made.last}] = flat({fresh})")
         self.write(f"{made.name} = {here}")
         return Operand(code=made.name, value=self.pen.scope[made.name])
 
@@ -342,7 +350,12 @@ class Writer:
         slot = self.pen.slot(start)
         name = self.pen.name(wish or f"{self.node.block.name}_before")
         self.kept[f"slot {number}"] = slot
-        self.write(f"{name} = m[{slot}]")
+        here = f"m[{slot}]"
+        if self.restart:
+            fresh = f"m[{self.pen.slot(start)}]"
+            here = f"{fresh} if {self.restart} else {here}"
+            self._restarts += [f"if {self.restart}:", f"    m[{slot}] = {fresh}"]
+        self.write(f"{name} = {here}")
         return Operand(code=name, value=start)
 
     # --- after all outputs ---
@@ -411,11 +424,17 @@ class Writer:
         self._close(self.rate, self._lines, after=False)
         self._lines = []
 
+    def flush_always(self) -> None:
+        """Close a section that runs always, whatever lets its system run."""
+        self._close(CONTINUOUS, self._lines, after=False, gated=False)
+        self._lines = []
+
     def flush_after(self, rate: int) -> None:
         """Close what was written after all outputs: derivatives, and what is remembered."""
-        self._close(CONTINUOUS, self._lines, after=False, gated=False)
+        self.flush_always()
+        self._close(CONTINUOUS, self._restarts, after=True, gated=False)  # at any event
         self._close(rate, self._memories, after=True)
-        self._lines, self._memories = [], []
+        self._restarts, self._memories = [], []
 
     def _close(self, rate: int, lines: list[str], *, after: bool, gated: bool = True) -> None:
         if lines:

@@ -25,6 +25,7 @@ from drake_leg.simulink.running.code import (
     needed,
 )
 from drake_leg.simulink.running.kinds import Kind, kind_of
+from drake_leg.simulink.running.kinds.options import require_usual
 from drake_leg.simulink.running.network import Node, SignalNetwork
 from drake_leg.simulink.running.rates import Rate, Rates
 from drake_leg.simulink.running.settings import Settings, shape_of, zero_like
@@ -192,6 +193,7 @@ class _Pass:
         self._nodes, self._order, self._rates = nodes, order, rates
         self._ports, self._network = ports, network
         self._gate_of: dict[str, str] = {}  # SID of a gate block -> its variable
+        self._restarts: dict[str, str] = {}  # the same, of those that let states start again
         self._problems: dict[str, None] = {}
         self.lacks: list[Lack] = []
         self._unknown: list[str] = []  # what reads signals of shapes that are not known
@@ -210,11 +212,15 @@ class _Pass:
             gates = tuple(self._gate_of[gate] for gate in node.gates if gate in self._gate_of)
             writer = Writer(self.pen, node, self._rates.of(sid), gates)
             writer.period = self._rates.period(sid)
-            if self._attempted(writer, kind.write):
+            restarts = [self._restarts[gate] for gate in node.gates if gate in self._restarts]
+            writer.restart = " or ".join(restarts)
+            if self._attempted(writer, require_usual) and self._attempted(writer, kind.write):
                 writers.append((writer, kind))
             writer.flush()
             if "gate" in writer.kept:
                 self._gate_of[sid] = writer.kept["gate"]
+            if "restarts" in writer.kept:
+                self._restarts[sid] = writer.kept["restarts"]
         for writer, kind in writers:
             if kind.finish is not None:
                 self._attempted(writer, kind.finish)

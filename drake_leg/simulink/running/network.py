@@ -9,10 +9,11 @@ from functools import cached_property
 
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
-from drake_leg.simulink.model import Block, Model, split_port
+from drake_leg.simulink.model import Block, Model, Parameters, split_port
 from drake_leg.simulink.wiring import flatten
 
 GATES = ("EnablePort", "TriggerPort", "ActionPort")
+OF_SYSTEM = "SystemSampleTime"  # of a subsystem, or of a MATLAB Function, which is one
 LOOPS = ("ForEach", "ForIterator", "WhileIterator")
 
 
@@ -28,6 +29,7 @@ class Node:
     script: str = ""  # of a MATLAB Function
     parameters: tuple[str, ...] = ()  # its arguments that are no inputs, where the file tells
     read: frozenset[str] = frozenset()  # outputs that something reads
+    systems: tuple[Block, ...] = ()  # around it, that have sample times, innermost first
     feeds_motion: bool = False  # whether the derivatives of what it puts out are asked for
 
     @property
@@ -175,6 +177,7 @@ class _Reading:
             names=tuple(self._name_at(target, block) for target in targets),
             outputs=outputs,
             gates=self._gates_around(block),
+            systems=self._sampled_around(block),
             script=self._scripts.get(block.sid, ""),
             parameters=self._parameters.get(block.sid, ()),
             read=frozenset(port for port in outputs if port in self._read),
@@ -218,6 +221,18 @@ class _Reading:
                 targets = [f"{sid}#lconn:{n + 1}" for n in range(count)]
                 line += [self._drivers[port] for port in targets if port in self._drivers]
         return found
+
+    def _sampled_around(self, block: Block) -> tuple[Block, ...]:
+        """Find the subsystems around a block that run at a sample time of their own."""
+        found: list[Block] = []
+        system = block.system
+        while system:
+            around = self._systems[system]
+            texts = around.parameters.texts if isinstance(around.parameters, Parameters) else {}
+            if texts.get(OF_SYSTEM, "-1").strip() != "-1":
+                found.append(around)
+            system = around.system
+        return tuple(found)
 
     def _gates_around(self, block: Block) -> tuple[str, ...]:
         found: list[str] = []

@@ -9,7 +9,7 @@ from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.model import split_port
 from drake_leg.simulink.running.code import CONTINUOUS, MAJOR
 from drake_leg.simulink.running.kinds import Kind
-from drake_leg.simulink.running.network import Node
+from drake_leg.simulink.running.network import OF_SYSTEM, Node
 from drake_leg.simulink.running.settings import Settings
 
 NEVER = math.inf  # a constant
@@ -76,24 +76,18 @@ class Rates:
 
     def _own(self, node: Node, kind: Kind) -> Rate | None:
         """Return the rate that a block has by itself, None where it inherits it."""
-        if kind.continuous or kind.major:
-            return ALWAYS
         settings = Settings(node.block)
-        given = settings.text(kind.sample_time) if kind.sample_time else ""
-        if given:
-            numbers = settings.numbers(kind.sample_time)
-            period = float(numbers[0]) if numbers.size else -1.0
-            offset = float(numbers[1]) if numbers.size > 1 else 0.0
-            if period > 0.0:
-                return (NEVER, 0.0) if math.isinf(period) else (period, max(offset, 0.0))
-            if period == 0.0:
-                return ALWAYS
-            if period not in (-1.0, -2.0):
-                raise InvalidValueError(
-                    f"{settings.about(kind.sample_time)} is {period:g}; it must be -1, 0 or more"
-                )
+        if kind.is_continuous(settings) or kind.major:
+            return ALWAYS
+        given = _given(settings, kind.sample_time) if kind.sample_time else None
+        if given is not None:
+            return given
         if kind.constant:
             return NEVER, 0.0
+        for system in node.systems:
+            given = _given(Settings(system), OF_SYSTEM)
+            if given is not None:
+                return given
         return None if any(node.inputs) else ALWAYS
 
     def _inherited(self, node: Node) -> Rate | None:
@@ -123,6 +117,20 @@ class Rates:
             )
             else None
         )
+
+
+def _given(settings: Settings, name: str) -> Rate | None:
+    """Return the rate that a parameter gives, None where it says to inherit it."""
+    if not settings.has(name):
+        return None
+    numbers = settings.numbers(name)
+    period = float(numbers[0]) if numbers.size else -1.0
+    offset = float(numbers[1]) if numbers.size > 1 else 0.0
+    if period > 0.0:
+        return (NEVER, 0.0) if math.isinf(period) else (period, max(offset, 0.0))
+    if period not in (0.0, -1.0, -2.0):
+        raise InvalidValueError(f"{settings.about(name)} is {period:g}; it must be -1, 0 or more")
+    return None if period else ALWAYS
 
 
 def next_hit(rate: Rate, time: float) -> bool:

@@ -181,7 +181,8 @@ class SignalSystem(LeafSystem):
         held = state.get_abstract_state().get_value(int(self._memory)).get_value()
         if context.get_time() == (held.stepped if step else held.sampled):
             return EventStatus.DidNothing()  # it happened before, at the same time
-        t, x, _, sensed, efforts = self._read(context)
+        t, _, _, sensed, efforts = self._read(context)
+        x = state.get_continuous_state().CopyToVector().tolist()  # another event may have set it
         memory = held.copied()
         if step:
             memory.stepped = t

@@ -24,10 +24,14 @@ class Kind:
     finish: Write | None = None  # its derivatives, and what it remembers
     direct: Direct  # the inputs that its outputs depend on at once
     sampled: bool = False  # whether it is never continuous, as a delay
-    continuous: bool = False  # whether it always is, as an integrator
+    continuous: bool | Callable[[Settings], bool] = False  # whether it always is: an integrator
     major: bool = False  # whether it changes at major steps alone, as a Memory
     constant: bool = False
     sample_time: str = "SampleTime"  # its parameter; "" where it has none
+
+    def is_continuous(self, settings: Settings) -> bool:
+        """Tell whether a block of this kind runs always, whatever comes in."""
+        return self.continuous(settings) if callable(self.continuous) else self.continuous
 
 
 def all_inputs(node: Node, _: Settings) -> Iterable[int]:
@@ -48,7 +52,7 @@ def kind(
     finish: Write | None = None,
     direct: Direct = all_inputs,
     sampled: bool = False,
-    continuous: bool = False,
+    continuous: bool | Callable[[Settings], bool] = False,
     major: bool = False,
     constant: bool = False,
     sample_time: str = "SampleTime",

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.signal import tf2ss, zpk2tf
 
 from drake_leg.simulink.matlab.transfers import transfer_of
-from drake_leg.simulink.running.code import Operand, Writer, literal
+from drake_leg.simulink.running.code import CONTINUOUS, Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind, no_inputs
 from drake_leg.simulink.running.kinds.discontinuities import limit_code
 from drake_leg.simulink.running.network import Node
@@ -164,11 +164,34 @@ def _linear(
     w.out(f"settled({' + '.join(codes)})")
 
 
-def _linear_fraction(w: Writer, numerator: np.ndarray, denominator: np.ndarray) -> None:
-    """Write a transfer function, from rest; its states are of the size of what it puts out."""
+def _linear_fraction(
+    w: Writer,
+    numerator: np.ndarray,
+    denominator: np.ndarray,
+    rest: tuple[float, float] = (0.0, 0.0),
+) -> None:
+    """Write a transfer function; its states are of the size of what it puts out.
+
+    It starts where an input, the first of ``rest``, and an output, the second, stay as they are.
+    """
     A, B, C, D = tf2ss(numerator, denominator)
     size = np.abs(C).max(initial=0.0) or 1.0
-    _linear(w, A, size * B, C / size, D, 0.0)
+    B, C = size * B, C / size
+    _linear(w, A, B, C, D, _at_rest(A, B, C, D, *rest))
+
+
+def _at_rest(
+    A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, u: float, y: float
+) -> Signal:
+    """Find the states at which an output is y, and its derivatives are 0, while the input is u."""
+    if not u and not y:
+        return 0.0
+    rows, left = [C], [y - D.item() * u]
+    for _ in range(1, A.shape[0]):
+        left.append(-(rows[-1] @ B).item() * u)
+        rows.append(rows[-1] @ A)
+    found: Signal = np.linalg.lstsq(np.vstack(rows), np.array(left), rcond=None)[0]
+    return found
 
 
 def _linear_after(w: Writer) -> None:
@@ -201,7 +224,7 @@ def _fraction(settings: Settings) -> tuple[np.ndarray, np.ndarray]:
 @kind("TransferFcn", "Transfer Fcn (with initial outputs)", "LTI System", finish=_linear_after,
       direct=_direct_linear, continuous=True)  # fmt: skip
 def transfer_function(w: Writer) -> None:
-    """Filter by a transfer function, from rest."""
+    """Filter by a transfer function, from rest or from a given output."""
     numerator, denominator = _fraction(w.settings)
     if numerator.size > denominator.size or not denominator[0]:
         raise w.fault("has a numerator of a higher degree than its denominator")
@@ -209,7 +232,10 @@ def transfer_function(w: Writer) -> None:
         w.kept["linear"] = np.zeros((0, 0)), np.zeros((0, 1))
         w.out(f"{literal(numerator[0] / denominator[0])} * {w.numeric().code}")
         return
-    _linear_fraction(w, numerator, denominator)
+    rest = (0.0, 0.0)
+    if w.settings.has("Y0"):
+        rest = w.settings.number("U0", "0"), w.settings.number("Y0", "0")
+    _linear_fraction(w, numerator, denominator, rest)
 
 
 @kind("ZeroPole", finish=_linear_after, direct=_direct_linear, continuous=True)
@@ -228,6 +254,20 @@ def state_space(w: Writer) -> None:
     A, B, C, D = (np.atleast_2d(w.settings.matrix(name, "1")) for name in "ABCD")
     start = w.settings.array("X0" if w.settings.has("X0") else "InitialCondition", "0")
     _linear(w, A, B, C, D, start)
+
+
+def _initial_after(w: Writer) -> None:
+    w.remember("False")
+
+
+@kind("IC", "InitialCondition", finish=_initial_after, sample_time="")
+def initial(w: Writer) -> None:
+    """Put out a value at the start, and from the first step on what comes in."""
+    u = w.numeric()
+    given = w.settings.array("Value", "1")
+    u, value = w.alike([u, Operand(code=w.constant(given), value=given)])
+    first = w.remembered(True)
+    w.out(f"{value.code} if {first.code} else {u.code}")
 
 
 # --- delays ----------------------------------------------------------------------------------
@@ -251,16 +291,30 @@ def transport_delay(w: Writer) -> None:
 # --- PID -------------------------------------------------------------------------------------
 
 
+def _share(w: Writer, option: str) -> float:
+    """Return how much of the present input a discrete integral holds, by its method."""
+    method = w.settings.text(option, "Forward Euler")
+    shares = {"Forward Euler": 0.0, "Trapezoidal": 0.5, "Backward Euler": 1.0}
+    if method not in shares:
+        raise w.fault(f"has {option} {method!r}, which does not run")
+    return shares[method]
+
+
+def _is_continuous(settings: Settings) -> bool:
+    usual = "Discrete-time" if settings.block.kind.startswith("Discrete") else "Continuous-time"
+    return settings.text("TimeDomain", usual) == "Continuous-time"
+
+
 def _pid_after(w: Writer) -> None:
     kept = w.kept
     if "integral" in kept:
         code = kept["integral"]
-        if w.rate >= 0:
+        if w.rate != CONTINUOUS:
             w.remember(f"{kept['i']} + {literal(w.period or 0.0)} * {code}", number=0)
         else:
             w.derivative(code, 0)
     if "filter" in kept:
-        if w.rate >= 0:
+        if w.rate != CONTINUOUS:
             w.remember(f"{kept['f']} + {literal(w.period or 0.0)} * {kept['filter']}", number=1)
         else:
             w.derivative(kept["filter"], 1)
@@ -268,13 +322,11 @@ def _pid_after(w: Writer) -> None:
         w.remember(kept["error"], number=2)
 
 
-@kind("PID Controller", "Discrete PID Controller", finish=_pid_after)
+@kind("PID Controller", "Discrete PID Controller", finish=_pid_after, continuous=_is_continuous)
 def pid(w: Writer) -> None:
     """Control by proportion, integral and filtered derivative, limited where that is asked."""
     s = w.settings
     letters = s.text("Controller", "PID")
-    if s.text("ControllerParametersSource", "internal") == "external":
-        raise w.fault("takes its gains from outside, which does not run: write them into it")
     u = w.numeric()
     gains = {letter: s.array(letter, d) for letter, d in (("P", "1"), ("I", "1"), ("D", "0"))}
     p, i, d = (gains[letter] if letter in letters else 0.0 for letter in "PID")
@@ -284,7 +336,9 @@ def pid(w: Writer) -> None:
         codes.append(w.let(f"{w.constant(p)} * {u.code}", "proportional"))
     elif ideal:
         codes.append(u)
-    discrete = w.rate >= 0
+    discrete = w.rate != CONTINUOUS
+    if discrete and not w.period:
+        raise w.fault("is discrete and has no sample time: set one")
     if np.any(i):
         start = s.array("InitialConditionForIntegrator", "0")
         integral = w.remembered(start, 0) if discrete else w.state(start, 0)
@@ -309,12 +363,9 @@ def pid(w: Writer) -> None:
 
 def _integral(w: Writer, integral: Operand, u: Operand, gain: Signal, *, discrete: bool) -> Operand:
     """Write the part of the integral, as its method reads the present input."""
-    method = w.settings.text("IntegratorMethod", "Forward Euler")
-    if discrete and method != "Forward Euler":
-        share = 1.0 if method == "Backward Euler" else 0.5
+    share = _share(w, "IntegratorMethod") if discrete else 0.0
+    if share:
         step = literal(share * (w.period or 0.0))
-        if share == 0.5:
-            w.kept["error"] = u.code
         return w.let(f"{integral.code} + {step} * {w.constant(gain)} * {u.code}", "integral_part")
     return integral
 
@@ -332,7 +383,9 @@ def _derivative_term(w: Writer, u: Operand, gain: Signal, *, discrete: bool) -> 
     start = w.settings.array("InitialConditionForFilter", "0")
     f = w.remembered(start, 1) if discrete else w.state(start, 1)
     n = w.settings.array("N", "100")
-    if not discrete:
+    if discrete:  # what comes in now is a share of what is filtered
+        n = n / (1.0 + _share(w, "FilterMethod") * n * (w.period or 0.0))
+    else:
         w.fades((-np.ravel(n)).tolist())
     made = w.let(f"{w.constant(n)} * ({w.constant(gain)} * {u.code} - {f.code})", "derivative_part")
     w.kept["f"], w.kept["filter"] = f.code, made.code

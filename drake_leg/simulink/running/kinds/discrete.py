@@ -47,8 +47,6 @@ def _queue_after(w: Writer) -> None:
 @kind("Delay", finish=_queue_after, direct=no_inputs, sampled=True)
 def delay(w: Writer) -> None:
     """Put out what came in several samples ago."""
-    if w.settings.text("DelayLengthSource", "Dialog") != "Dialog":
-        raise w.fault("takes its length from a port, which does not run")
     length = int(w.settings.number("DelayLength", "2"))
     start = w.settings.array("InitialCondition", "0.0")
     shape = w.pen.shapes.get(f"{w.node.sid}.queue", shape_of(start))
@@ -89,8 +87,6 @@ def _integral_inputs(node: Node, settings: Settings) -> Iterable[int]:
 @kind("DiscreteIntegrator", finish=_integral_after, direct=_integral_inputs, sampled=True)
 def discrete_integrator(w: Writer) -> None:
     """Sum up, by one of three methods."""
-    if w.settings.text("ExternalReset", "none") != "none":
-        raise w.fault("is reset from outside, which does not run")
     method = w.settings.text("IntegratorMethod", "Integration: Forward Euler")
     sums = method.startswith("Accumulation")
     gain = w.settings.array("gainval", "1.0")
@@ -196,8 +192,6 @@ def _average_after(w: Writer) -> None:
 @kind("Moving Average", finish=_average_after, sampled=True, sample_time="")
 def average(w: Writer) -> None:
     """Average over a sliding window; before it is full, what is missing counts as zero."""
-    if w.settings.text("Method", "Sliding window") != "Sliding window":
-        raise w.fault("averages with a forgetting factor, which does not run")
     length = int(w.settings.number("WindowLength", "4"))
     w.kept["length"] = max(length - 1, 1)
     window = w.remembered(())

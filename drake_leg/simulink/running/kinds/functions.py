@@ -12,6 +12,7 @@ from drake_leg.simulink.matlab.compiling import compiled, compiled_expression
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.running.code import Call, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.network import OF_SYSTEM
 from drake_leg.simulink.running.operations import real, settled
 from drake_leg.simulink.running.settings import Signal
 
@@ -79,7 +80,7 @@ def _argument(w: Writer, place: int, name: str) -> Operand:
     return found
 
 
-@kind("MATLAB Function", finish=_after)
+@kind("MATLAB Function", finish=_after, sample_time=OF_SYSTEM)
 def matlab_function(w: Writer) -> None:
     """Call the code of a MATLAB Function block."""
     script = w.node.script

@@ -10,26 +10,39 @@ from drake_leg.simulink.matlab.data import Cell, numbers_of
 from drake_leg.simulink.running.code import Operand, Writer
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.routing import joined_bus, parts_of
-from drake_leg.simulink.running.settings import flat
+from drake_leg.simulink.running.settings import flat, zero_like
 
 
-def _gate(w: Writer, condition: str) -> None:
+def _gate(w: Writer, condition: str, *, restarts: bool = False) -> None:
+    """Name what lets a subsystem run, and that it starts again where it was off before."""
     name = w.pen.name(f"{w.node.block.path.rpartition('/')[0].rpartition('/')[2]}_runs")
     w.write(f"{name} = bool({condition})")
     w.kept["gate"] = name
+    if restarts:
+        w.flush()
+        ran = w.remembered(False, wish=f"{name}_before")
+        w.kept["restarts"] = w.let(f"{name} and not {ran.code}", f"{name}_again").code
+        w.flush_always()
 
 
-@kind("EnablePort", sample_time="")
+def _ran(w: Writer) -> None:
+    if "restarts" in w.kept:
+        w.remember(w.kept["gate"])
+
+
+@kind("EnablePort", finish=_ran, sample_time="")
 def enable(w: Writer) -> None:
     """Let a subsystem run while any element of a signal is positive."""
     u = w.numeric()
-    _gate(w, f"{u.code} > 0.0" if u.is_scalar else f"({u.code} > 0.0).any()")
+    positive = f"{u.code} > 0.0" if u.is_scalar else f"({u.code} > 0.0).any()"
+    _gate(w, positive, restarts=w.settings.text("StatesWhenEnabling") == "reset")
 
 
-@kind("ActionPort", sample_time="")
+@kind("ActionPort", finish=_ran, sample_time="")
 def action(w: Writer) -> None:
     """Let a subsystem run while an If or a Switch Case chooses it."""
-    _gate(w, f"{w.input(0).code} != 0.0")
+    restarts = w.settings.text("InitializeStates") == "reset"
+    _gate(w, f"{w.input(0).code} != 0.0", restarts=restarts)
 
 
 def _before(w: Writer) -> None:
@@ -114,3 +127,8 @@ def outport(w: Writer) -> None:
     given = w.settings.text("InitialOutput", "[]")
     if given not in ("", "[]") and not re.fullmatch(r"\[\s*\]", given):
         w.pen.initial[made.code] = w.settings.array("InitialOutput")
+    if w.gates and w.settings.text("OutputWhenDisabled") == "reset":
+        w.flush()
+        off = w.pen.initial.get(made.code, zero_like(made.value))
+        w.put(w.let(f"{made.code} if {' and '.join(w.gates)} else {w.constant(off)}"))
+        w.flush_always()

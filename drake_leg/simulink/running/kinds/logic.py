@@ -196,6 +196,31 @@ def _input_after(w: Writer) -> None:
     w.remember(w.numeric().code)
 
 
+def _hit_after(w: Writer) -> None:
+    w.remember(w.kept["beyond"])
+
+
+@kind("HitCross", major=True, finish=_hit_after, sample_time="")
+def hit_crossing(w: Writer) -> None:
+    """Tell at a major step whether a signal has crossed an offset since the one before."""
+    u = w.numeric()
+    beyond = w.let(f"{u.code} - {w.constant(w.settings.number('HitCrossingOffset', '0'))}")
+    w.kept["beyond"] = beyond.code
+    before = w.remembered(beyond.value)
+    _crossed(w, before.code, beyond.code, w.settings.text("HitCrossingDirection", "either"))
+
+
+def _crossed(w: Writer, before: str, now: str, direction: str) -> None:
+    rising, falling = (
+        f"(({before} < 0.0) & ({now} >= 0.0))",
+        f"(({before} > 0.0) & ({now} <= 0.0))",
+    )
+    code = {"rising": rising, "falling": falling, "either": f"({rising} | {falling})"}
+    if direction not in code:
+        raise w.fault(f"waits for {direction!r}, which does not run: choose 'either'")
+    w.out(f"({code[direction]}) * 1.0")
+
+
 @kind("Detect Change", "Detect Increase", "Detect Decrease", sampled=True, finish=_input_after)
 def detect(w: Writer) -> None:
     """Tell whether an input differs from what it was the step before."""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from drake_leg.simulink.running.code import Call, Writer
+from drake_leg.simulink.running.code import Call, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
+
+FROM_PORT = "Input port"
 
 
 @kind("Lookup_n-D", "Lookup", "PS Lookup Table (1D)", "Interpolation_n-D")
@@ -29,6 +31,9 @@ def lookup(w: Writer) -> None:
     if s.text("InterpMethod", "Linear") in ("Cubic spline", "Akima spline"):
         method = "spline"
     beyond = "clip" if s.text("ExtrapMethod", "Linear") == "Clip" else "line"
+    if FROM_PORT in (s.text("TableSource"), s.text("BreakpointsForDimension1Source")):
+        _of_ports(w, dimensions, beyond, method)
+        return
     points = _points(w, 1)
     table = s.matrix("Table", "[0 1]")
     if dimensions == 1:
@@ -37,6 +42,28 @@ def lookup(w: Writer) -> None:
         _two(w, points, _points(w, 2), table, beyond)
     else:
         raise w.fault(f"has {dimensions} dimensions; tables of one or two run")
+
+
+def _of_ports(w: Writer, dimensions: int, beyond: str, method: str) -> None:
+    """Look a number up in a table that is a signal, or whose points are; points come first."""
+    u = w.numeric()
+    if dimensions != 1 or method == "spline" or not u.is_scalar:
+        raise w.fault("takes its table from a port: lines through one dimension run, of a scalar")
+    place, codes = 1, []
+    for name, source in (
+        ("BreakpointsForDimension1", "BreakpointsForDimension1Source"),
+        ("Table", "TableSource"),
+    ):
+        if w.settings.text(source) == FROM_PORT:
+            codes.append(w.vector(place))
+            place += 1
+        else:
+            values = _points(w, 1) if name != "Table" else w.settings.numbers(name, "[0 1]")
+            codes.append(Operand(code=w.constant(values, name), value=values))
+    at, of = codes
+    if at.size != of.size:
+        raise w.fault(f"has {at.size} points and {of.size} values: give as many of both")
+    w.out(f"table_1d({u.code}, {at.code}, {of.code}, beyond={beyond!r}, method={method!r})")
 
 
 @kind("Lookup2D")

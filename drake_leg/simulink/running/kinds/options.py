@@ -1,0 +1,66 @@
+"""Options of blocks that do not run: where one of them is chosen, the block is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from drake_leg.simulink.running.code import Writer
+
+Usual = Mapping[str, tuple[str, ...]]
+
+_PID: Usual = {
+    "ControllerParametersSource": ("internal",),
+    "ExternalReset": ("none",),
+    "InitialConditionSource": ("internal",),
+    "LimitIntegrator": ("off",),
+    "SatLimitsSource": ("internal",),
+    "TrackingMode": ("off",),
+    "UseExternalDerivativeSource": ("off",),
+    "UseExternalTs": ("off",),
+    "UseKiTs": ("off",),
+}
+_TABLE: Usual = {"DataSpecification": ("Table and breakpoints",), "UseLastTableValue": ("off",)}
+USUAL: Mapping[str, Usual] = {
+    "PID Controller": _PID,
+    "Discrete PID Controller": _PID,
+    "DiscreteIntegrator": {
+        "ExternalReset": ("none",),
+        "InitialConditionSetting": ("Auto", "State (most efficient)", "State"),
+        "InitialConditionSource": ("internal",),
+    },
+    "SecondOrderIntegrator": {
+        "ExternalReset": ("none",),
+        "ICSourceDXDT": ("internal",),
+        "ICSourceX": ("internal",),
+        "LimitDXDT": ("off",),
+        "LimitX": ("off",),
+    },
+    "Delay": {
+        "DelayLengthSource": ("Dialog",),
+        "ExternalReset": ("None",),
+        "InitialConditionSource": ("Dialog",),
+        "ShowEnablePort": ("off",),
+    },
+    "TransportDelay": {"TransDelayFeedthrough": ("off",)},
+    "LTI System": {"IC": ("[]", "0")},
+    "Lookup_n-D": _TABLE,
+    "Merge": {"AllowUnequalInputPortWidths": ("off",)},
+    "Moving Average": {"ForgettingFactorPort": ("off",), "Method": ("Sliding window",)},
+    "Sum": {"CollapseMode": ("All dimensions",)},
+    "Product": {"CollapseMode": ("All dimensions",)},
+}
+
+
+def require_usual(w: Writer) -> None:
+    """Refuse a block that is set to what does not run.
+
+    Raises
+    ------
+    InvalidValueError
+        With the block, the option, its value, and what runs.
+    """
+    block = w.node.block
+    for name, usual in USUAL.get(block.kind, USUAL.get(block.type, {})).items():
+        given = w.settings.text(name)
+        if given and given not in usual:
+            raise w.fault(f"has {name} {given!r}, which does not run: choose {usual[0]!r}")
