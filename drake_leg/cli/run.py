@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
     from drake_leg.scene.scene import PlantMotion
 
+STRAIGHT = 0.01  # [deg]; a walk that was to turn by less goes straight
 OWN, LOOPS = "a robot of your own", "a robot with closed loops"
 ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}  # of the files of these options
 
@@ -131,10 +132,11 @@ def _carried_out(
     name: str, kind: RunKind, options: RunOptions, hold: Callable[[], None]
 ) -> Outcome:
     """Simulate; from the end on, signals wait until the recording is saved."""
-    with ProgressBar(sys.stderr, name, max(options.duration, 1e-300), "s") as bar:
+    duration = options.the_duration
+    with ProgressBar(sys.stderr, name, max(duration, 1e-300), "s") as bar:
 
         def progress(time: float) -> None:
-            if time >= options.duration:
+            if time >= duration:
                 hold()
             bar(time)
 
@@ -189,10 +191,7 @@ def _quality(summary: Mapping[str, Any]) -> str:
             f"{summary['time_off_command_s']:.3g} s"
         )
     if "commanded_distance_m" in summary:
-        return (
-            f", {summary['distance_m']:.4g} m of {summary['commanded_distance_m']:.4g} m walked, "
-            f"heading off by {summary['heading_error_deg']:.2g} deg"
-        )
+        return _way(summary)
     if "max_closure_m" in summary:
         return f", loops closed to {summary['max_closure_m']:.1e} m"
     if "max_position_error_m" in summary:
@@ -201,6 +200,21 @@ def _quality(summary: Mapping[str, Any]) -> str:
         return f", foot within {summary['max_position_error_m']:.1e} m of the exact path{filters}"
     within, of = ("up to", "from") if summary["inaccuracy"] else ("within", "of")
     return f", angle {within} {summary['max_angle_error_rad']:.1e} rad {of} the exact motion"
+
+
+def _way(summary: Mapping[str, Any]) -> str:
+    """Describe how far a robot walked and turned, and its heading."""
+    said = []
+    if summary["distance_error_percent"] is not None:
+        said.append(
+            f"{summary['distance_m']:.4g} m of {summary['commanded_distance_m']:.4g} m walked"
+        )
+    if abs(summary["commanded_turn_deg"]) > STRAIGHT:
+        said.append(
+            f"turned by {summary['turn_deg']:.4g} of {summary['commanded_turn_deg']:.4g} deg"
+        )
+    heading = f"heading off by {summary['heading_error_deg']:.2g} deg"
+    return f", {', '.join([*(said or ['stood']), heading])}"
 
 
 def _cost(summary: Mapping[str, Any], disturbed: Mapping[str, Any]) -> str:

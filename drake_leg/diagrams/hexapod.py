@@ -43,8 +43,9 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.motions import Push
 from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
-from drake_leg.kinematics.walking.loads import planned_torques
-from drake_leg.kinematics.walking.plan import Plan, WalkPlan, walk_of
+from drake_leg.kinematics.walking.loads import planned_loads
+from drake_leg.kinematics.walking.plan import Plan, WalkPlan, require_phases, walk_of
+from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.sequence import WalkSequence
 from drake_leg.kinematics.walking.touch_down import SEARCH_DEPTH, TOUCHES, Search
 from drake_leg.kinematics.walking.weights import total_mass
@@ -66,6 +67,8 @@ from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_posi
 
 CONTACT = "contact forces"  # scope of the generalized ones, of base and joints
 TOUCH_DOWNS = "touch-downs"  # scope of the states of the feet
+LONGEST_STEP = 0.02  # [s]: at 0.05 s a walk loses a tenth of its way
+GREATEST_SHARE = 0.5  # of an error that a time step may correct
 FULL, GRAVITY, NONE = "full", "gravity", "none"  # feed-forward
 FEED_FORWARDS = (FULL, GRAVITY, NONE)
 
@@ -131,10 +134,21 @@ class HexapodConfig:
         require_fields(self)
         require_positive("the time step", self.time_step, "s")
         require_non_negative("gravity", self.gravity, "m/s^2")
-        if self.feedback is not None:
-            require_positive("the rate of the body's feedback", self.feedback, "1/s")
-        if self.level is not None:
-            require_positive("the rate of the body's levelling", self.level, "1/s")
+        if self.time_step > LONGEST_STEP:
+            raise InvalidValueError(
+                f"the time step is {self.time_step:g} s; servos and contacts need one of at most "
+                f"{LONGEST_STEP:g} s"
+            )
+        for what, rate in (("feedback", self.feedback), ("levelling", self.level)):
+            if rate is None:
+                continue
+            require_positive(f"the rate of the body's {what}", rate, "1/s")
+            if rate * self.time_step > GREATEST_SHARE:
+                raise InvalidValueError(
+                    f"the rate of the body's {what} is {rate:g} 1/s, which overshoots with time "
+                    f"steps of {self.time_step:g} s; it must be at most "
+                    f"{GREATEST_SHARE / self.time_step:.3g} 1/s"
+                )
         if self.feedback is not None and self.level is not None:
             raise InvalidValueError(
                 f"`feedback` is {self.feedback:g} and `level` is {self.level:g}; feedback of the "
@@ -149,11 +163,7 @@ class HexapodConfig:
                 f"the feed-forward is {self.feed_forward!r}; it must be one of "
                 f"{', '.join(FEED_FORWARDS)}"
             )
-        if len(self.walk.gait.phases) != self.legs.count:
-            raise InvalidValueError(
-                f"the gait {self.walk.gait.name!r} has {len(self.walk.gait.phases)} legs, and "
-                f"{self.robot.name!r} has {self.legs.count}"
-            )
+        require_phases(self.walk.gait, self.robot.name, self.legs.count)
         if np.isnan(self.start).any():
             leg = self.legs.names[int(np.argmax(np.isnan(self.start).any(axis=-1)))]
             raise InvalidValueError(
@@ -188,14 +198,13 @@ class HexapodConfig:
         return Search(threshold=TOUCHES * weight, depth=self.search_depth)
 
     def _torques(self, times: Array) -> Array:
-        return planned_torques(
-            self.robot,
-            self.walk,
-            times,
-            self.servo,
-            gravity=-self.gravity * self.X_WG[2, :3],
-            inertia=self.feed_forward == FULL,
+        """Torques (rows, 3 n) [N*m] of the planned load; none while a foot is out of reach."""
+        x, y, z = (-self.gravity * self.X_WG[2, :3]).tolist()
+        plan = PlannedWalk(
+            robot=self.robot, legs=self.legs, walk=self.walk, times=times, gravity=(x, y, z)
         )
+        loads = planned_loads(plan, self.servo, inertia=self.feed_forward == FULL)
+        return np.nan_to_num(loads.torques)
 
 
 @checked

@@ -15,7 +15,12 @@ from pydrake.multibody.plant import (
     DiscreteContactApproximation,
     MultibodyPlant,
 )
-from pydrake.multibody.tree import ModelInstanceIndex, PdControllerGains, SpatialInertia
+from pydrake.multibody.tree import (
+    ModelInstanceIndex,
+    PdControllerGains,
+    SpatialInertia,
+    UnitInertia,
+)
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_leg.errors import InvalidValueError
@@ -94,7 +99,7 @@ def add_walker(
     try:
         (instance,) = parser.AddModelsFromString(sdf_text(robot), "sdf")
         if payload:
-            _load(plant, robot, payload)
+            _load(plant, robot, instance, payload)
         _touch(plant, robot, ground, contact)
         _drive(plant, servo)
         add_gear_friction(plant, servo)
@@ -106,9 +111,12 @@ def add_walker(
     return Walker(plant, scene_graph, instance, servo_ports(builder, plant, instance, servo))
 
 
-def _load(plant: MultibodyPlant, robot: Robot, payload: float) -> None:
+def _load(
+    plant: MultibodyPlant, robot: Robot, instance: ModelInstanceIndex, payload: float
+) -> None:
     """Put a point mass [kg] on the body."""
-    load = plant.AddRigidBody("payload", SpatialInertia.PointMass(payload, np.zeros(3)))
+    point = SpatialInertia(payload, np.zeros(3), UnitInertia(0.0, 0.0, 0.0))
+    load = plant.AddRigidBody("payload", instance, point)
     plant.WeldFrames(plant.GetFrameByName(robot.base_name), load.body_frame())
 
 

@@ -189,6 +189,11 @@ class RunOptions:
         for each in dataclasses.fields(self):
             setattr(self, each.name, converted(each, getattr(self, each.name)))
 
+    @property
+    def the_duration(self) -> float:
+        """Simulated time [s], also where it follows from other options."""
+        return self.duration
+
 
 @dataclass(kw_only=True)
 class IntegratedOptions(RunOptions):

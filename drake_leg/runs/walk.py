@@ -12,6 +12,7 @@ from pydrake.systems.framework import Diagram
 from scipy.spatial.transform import Rotation
 
 from drake_leg.diagrams.hexapod import HexapodConfig, build, start_walking
+from drake_leg.errors import ImpossibleWalkError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.foresight import WalkForesight, foresee_walk
 from drake_leg.kinematics.walking.power import (
@@ -25,7 +26,7 @@ from drake_leg.kinematics.walking.touch_down import EARLY, LATE, MISSED, ON_TIME
 from drake_leg.kinematics.walking.weights import total_mass
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.outcome import Outcome
-from drake_leg.runs.walk_options import WALKING, WalkOptions
+from drake_leg.runs.walk_options import WalkOptions
 from drake_leg.runs.walk_record import WalkRecord
 from drake_leg.simulation.integrator import ROW_INTERVAL
 from drake_leg.simulation.recording import Recording, lettered, numbered
@@ -45,14 +46,15 @@ def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) ->
     ImpossibleWalkError
         If the robot cannot make the walk, unless it is forced.
     """
-    config = config_of(robot, options)
-    foreseen = _foreseen(config, options)
+    foreseen = _foreseen(robot, options)
     if not options.force:
+        _require_lift(options)
         for part in foreseen:
             part.require_walkable()
+    config = config_of(robot, options)
     done = simulate(
         build(config),
-        options.duration,
+        options.the_duration,
         start=start_walking(config),
         max_step=min(config.time_step, ROW_INTERVAL),
         progress=progress,
@@ -61,7 +63,7 @@ def run(robot: Robot, options: WalkOptions, progress: Progress | None = None) ->
     record = WalkRecord(config=config, run=done)
     common = {
         "robot": robot.name,
-        "duration_s": options.duration,
+        "duration_s": options.the_duration,
         "stopped_at_s": done.stopped_at,
         "stop_reason": done.stop_reason,
         "time_step_s": config.time_step,
@@ -111,21 +113,43 @@ def config_of(robot: Robot, options: WalkOptions) -> HexapodConfig:
     )
 
 
-def _foreseen(config: HexapodConfig, options: WalkOptions) -> tuple[WalkForesight, ...]:
+def _require_lift(options: WalkOptions) -> None:
+    """Refuse a ground that rises at once by more than blind swings are high.
+
+    Raises
+    ------
+    ImpossibleWalkError
+        With the least lift.
+    """
+    rise = max(options.steps or 0.0, options.blocks or 0.0)
+    lift = min(pace.lift for pace in options.the_paces)
+    if rise >= lift and not options.touch_down:
+        raise ImpossibleWalkError(
+            f"the ground rises by up to {rise:g} m at once, and a swing of {lift:g} m is no higher",
+            advice=f"choose a `lift` of more than {rise:g} m, or `touch_down=True`, with which "
+            "feet climb; `force=True` goes on",
+            where="",
+            time=0.0,
+            value=rise,
+            limit=lift,
+        )
+
+
+def _foreseen(robot: Robot, options: WalkOptions) -> tuple[WalkForesight, ...]:
     """Foresee each part of the walk."""
-    walk, duration = config.walk, options.duration or WALKING
+    walk, duration = options.the_walk(), options.the_duration
     parts = walk.parts if isinstance(walk, WalkSequence) else (walk,)
     ends = [*(part.begins for part in parts[1:]), duration]
     return tuple(
         foresee_walk(
-            config.robot,
+            robot,
             part,
-            config.servo,
-            ground=config.ground,
-            gravity=config.gravity,
+            options.the_servo,
+            ground=options.the_ground,
+            gravity=options.gravity,
             dynamic=options.dynamic,
             duration=min(end, duration),
-            foot_height=config.contact.foot_radius,
+            foot_height=options.foot_radius,
         )
         for part, end in zip(parts, ends, strict=True)
         if part.begins < duration
@@ -231,6 +255,7 @@ def _course(record: WalkRecord) -> dict[str, Any]:
         left = np.array([-forward[1], forward[0], 0.0])
         ahead, across = float(forward @ (off - start)), float(left @ (off - start))
     heading = np.degrees(record.tilts[:, 2])
+    turned = math.degrees(_turned(planned.value) - _turned(planned.value[:1]))
     lasted = float(record.time[-1])
     return {
         "commanded_distance_m": length,
@@ -239,9 +264,16 @@ def _course(record: WalkRecord) -> dict[str, Any]:
         "off_course_m": across,
         "greatest_distance_from_plan_m": float(np.linalg.norm(record.offsets[:, :2], axis=1).max()),
         "mean_speed_m_s": (length + ahead) / lasted if lasted else 0.0,
+        "commanded_turn_deg": turned,
+        "turn_deg": turned + float(heading[-1]),
         "heading_error_deg": float(heading[-1]),
         "greatest_heading_error_deg": float(np.abs(heading).max()),
     }
+
+
+def _turned(X: Array) -> float:
+    """Yaw of the last of poses (rows, 4, 4) [rad], whole turns since the first included."""
+    return float(np.unwrap(np.arctan2(X[:, 1, 0], X[:, 0, 0]))[-1])
 
 
 def _steadiness(record: WalkRecord) -> dict[str, Any]:

@@ -137,7 +137,7 @@ def changed_walk(
             raise InvalidValueError(
                 f"`then` has a change at {later:g} s, and the one before it begins to move the "
                 f"body at {starts:.6g} s",
-                advice=f"choose an `at` of more than {starts:.6g} s",
+                advice=f"choose a time after that, as at={math.ceil(starts + 1.0)}",
             )
         commands = [*parts[-1].commands, *_command(way, starts, later, ramp)]
         parts[-1] = replace(parts[-1], commands=tuple(commands))

@@ -30,6 +30,7 @@ STANDS = 0.5  # [s], for which the robot stands first
 RAMP = 1.0  # [s], in which it gets its speed, and stops
 AFTER = 1.0  # [s], for which it stands at the end
 WALKING = 10.0  # [s], by default
+SPEED = 0.1  # [m/s], forward, by default
 AFTER_CHANGE = 5.0  # [s], for which it walks at least after its last change
 AHEAD = 0.30  # [m], from where the body starts to stairs or blocks
 PUSH_LASTS, PUSH_AT, TO_THE_LEFT = 0.050, 3.0, 90.0  # [s], [s], [deg]
@@ -154,17 +155,41 @@ class WalkOptions(RunOptions):
                     f"`{name}` means nothing without `{other}`",
                     advice=f"give `{other}`, too, or leave it out",
                 )
-        if self.speed is None:
-            self.speed = 0.0 if self.sideways or self.turn else 0.1
         if self.then is not None and self.ends is not None:
             raise InvalidValueError(
                 "`then` means nothing with a `distance` or an `angle`, after which the robot stops",
                 advice="let it stop by `speed=0 at=...`",
             )
-        if self.duration is None:
-            changes = self.the_paces[1:] if self.then is not None else ()
-            last = max((pace.at + AFTER_CHANGE for pace in changes), default=0.0)
-            self.duration = max(WALKING, last) if self.ends is None else self.ends + RAMP + AFTER
+        require_positive("the duration", self.the_duration, "s")
+        if self.then is not None:
+            self._require_before_end("last change begins", self.the_paces[-1].at, "time")
+        if self.push_speed is not None:
+            at = PUSH_AT if self.push_at is None else self.push_at
+            self._require_before_end("push begins", at, "`push_at`")
+
+    def _require_before_end(self, what: str, time: float, option: str) -> None:
+        if time >= self.the_duration:
+            raise InvalidValueError(
+                f"the {what} at {time:g} s, and the run is over at {self.the_duration:g} s",
+                advice=f"choose an earlier {option} or a longer `duration`",
+            )
+
+    @property
+    def the_duration(self) -> float:
+        """Simulated time [s]; by default until the way is walked, or some time."""
+        if self.duration is not None:
+            return self.duration
+        if self.ends is not None:
+            return self.ends + RAMP + AFTER
+        changes = self.the_paces[1:] if self.then is not None else ()
+        return max([WALKING, *(pace.at + AFTER_CHANGE for pace in changes)])
+
+    @property
+    def the_speed(self) -> float:
+        """Speed forward [m/s]; by default 0 if another velocity is given."""
+        if self.speed is not None:
+            return self.speed
+        return 0.0 if self.sideways or self.turn else SPEED
 
     @cached_property
     def the_robot(self) -> Robot:
@@ -285,7 +310,7 @@ class WalkOptions(RunOptions):
         """When the body begins to stop [s], if a distance or an angle is given."""
         if self.distance is not None and self.angle is not None:
             raise InvalidValueError("give a distance or an angle, not both")
-        speed, turning = math.hypot(self.speed or 0.0, self.sideways), abs(self.turn)
+        speed, turning = math.hypot(self.the_speed, self.sideways), abs(self.turn)
         for way, rate, what, of in (
             (self.distance, speed, "distance", "speed"),
             (self.angle, turning, "angle", "turn"),
@@ -308,7 +333,7 @@ class WalkOptions(RunOptions):
             gait=self.the_gait,
             period=self.the_period,
             lift=self.lift,
-            forward=self.speed or 0.0,
+            forward=self.the_speed,
             sideways=self.sideways,
             turn=self.turn,
             at=self.starts,

@@ -156,6 +156,18 @@ def test_options_reach_the_config():
     [
         ({"speed": 1.0}, "a speed of 0.* m/s .* is the greatest that works"),
         ({"height": 0.19}, "reach"),
+        ({"height": 0.3}, "a height of the body of 0.1\\d* m is the greatest that works"),
+        ({"roll": 40.0}, "a roll of 39\\.\\d* deg is the greatest that works"),
+        ({"shift": [0.2, 0.0]}, "a shift by 0.0\\d*, 0, 0 m is the greatest that works"),
+        ({"steps": 0.03}, "rises by up to 0.03 m .* a `lift` of more than 0.03 m"),
+        ({"blocks": 0.05, "lift": 0.04}, "`touch_down=True`"),
+        ({"gravity": 0.0}, "gravity, by which feet stand, is 0.0 m/s\\^2"),
+        ({"time_step": 0.05}, "at most 0.02 s"),
+        ({"feedback": 1000.0}, "overshoots .* at most 100 1/s"),
+        (
+            {"gait": "own", "phases": [0.0, 0.5, 0.2], "duty": 0.6},
+            "for 3 legs, and 'hexabot' has 6",
+        ),
         ({"effort": 0.05}, "at most 0.05 N\\*m"),
         ({"duty": 0.4}, "feet down"),
     ],
@@ -168,3 +180,22 @@ def test_a_walk_that_the_robot_cannot_make_is_refused(options, said):
 def test_the_planned_margin_is_known_before(forward):
     assert forward.summary["planned_static_margin_m"] == pytest.approx(0.078, abs=2e-3)
     assert forward.summary["foreseen"] is None
+
+
+@pytest.mark.parametrize("options", [{"payload": 0.4}, {"feed_forward": "none"}])
+def test_a_load_that_is_not_planned_presses_the_body_down(options):
+    summary = run("hexapod", duration=0.8, **options).summary
+    assert not summary["fell"]
+    assert summary["mean_height_error_m"] < -1e-4
+
+
+def test_a_foot_that_is_out_of_reach_after_the_end_does_not_matter():
+    assert run("hexapod", speed=0.5, duration=0.5).summary["stop_reason"] is None
+
+
+@pytest.mark.slow
+def test_a_forced_walk_goes_on_where_feet_are_out_of_reach_and_loses_its_way():
+    summary = run("hexapod", speed=0.5, duration=4, force=True).summary
+    assert summary["stop_reason"] is None
+    assert summary["distance_error_percent"] < -20.0
+    assert "is the greatest that works" in summary["foreseen"]

@@ -22,7 +22,7 @@ def test_what_a_change_does_not_say_stays():
     assert (wave.gait.name, wave.forward, wave.period) == ("wave", 0.03, 3.0)
     assert (aside.gait.name, aside.forward, aside.sideways) == ("wave", 0.0, 0.02)
     assert (higher.lift, higher.sideways) == (0.05, 0.02)
-    assert options.duration == 35.0
+    assert options.the_duration == 35.0
 
 
 def test_a_change_of_direction_does_not_stop_the_body():

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from drake_leg.runs.walk_options import BESIDE, WalkOptions
 def test_the_defaults_walk_forward():
     options = WalkOptions()
     assert options.the_robot is HEXABOT
-    assert (options.speed, options.duration, options.the_period) == (0.1, 10.0, 1.0)
+    assert (options.the_speed, options.the_duration, options.the_period) == (0.1, 10.0, 1.0)
     assert options.the_servo is IDEAL
     X = options.the_walk().body(10.0).value
     assert X[0, 3] == pytest.approx(0.1 * (10.0 - options.starts - 0.5))
@@ -26,20 +27,43 @@ def test_a_swing_lasts_about_half_a_second(gait, period):
 
 
 def test_a_walk_to_the_side_does_not_go_forward():
-    assert WalkOptions(sideways=0.1).speed == 0.0
-    assert WalkOptions(turn=10.0).speed == 0.0
-    assert WalkOptions(turn=10.0, speed=0.05).speed == 0.05
+    assert WalkOptions(sideways=0.1).the_speed == 0.0
+    assert WalkOptions(turn=10.0).the_speed == 0.0
+    assert WalkOptions(turn=10.0, speed=0.05).the_speed == 0.05
+
+
+@pytest.mark.parametrize(
+    "given", [{"sideways": 0.1}, {"turn": 20.0, "angle": 90.0}, {"then": "speed=0 at=7"}]
+)
+def test_what_follows_from_other_options_follows_from_changed_ones(given):
+    # As the command line and a sweep change them: in options that are made already.
+    made, changed = WalkOptions(**given), replace(WalkOptions(), **given)
+    assert changed == made
+    assert changed.the_speed == made.the_speed
+    assert changed.the_duration == made.the_duration
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"then": "speed=0 at=7", "duration": 5.0}, "change begins at 7 s, and the run is over"),
+        ({"push_speed": 0.5, "duration": 2.0}, "push begins at 3 s, and the run is over at 2 s"),
+    ],
+)
+def test_what_would_come_after_the_end_is_refused(given, said):
+    with pytest.raises(InvalidValueError, match=said):
+        WalkOptions(**given)
 
 
 def test_a_distance_is_walked_exactly():
     options = WalkOptions(distance=0.3, sideways=0.1)
-    X = options.the_walk().body(options.duration).value
+    X = options.the_walk().body(options.the_duration).value
     np.testing.assert_allclose(X[:2, 3], [0.0, 0.3], atol=1e-14)
 
 
 def test_an_angle_is_turned_exactly():
     options = WalkOptions(angle=90.0, turn=-20.0)
-    X = options.the_walk().body(options.duration).value
+    X = options.the_walk().body(options.the_duration).value
     np.testing.assert_allclose(X[:2, :2], [[0.0, 1.0], [-1.0, 0.0]], atol=1e-14)
 
 

@@ -17,6 +17,7 @@ from drake_leg.kinematics.walking.cycle_times import attitudes_end, times_of, ti
 from drake_leg.kinematics.walking.demands import Abilities, Demand
 from drake_leg.kinematics.walking.gait import Gait
 from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk
+from drake_leg.kinematics.walking.plan import require_phases
 from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.searches import (
     DOUBLINGS,
@@ -28,7 +29,7 @@ from drake_leg.kinematics.walking.searches import (
 from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import Servo
-from drake_leg.units import STANDARD_GRAVITY, require_non_negative
+from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
 FEWEST_DOWN = 3  # feet that support a body at rest
 FINER = 11  # halvings of the interval in which a least or greatest height lies
@@ -111,7 +112,7 @@ class WalkForesight:
         return tuple(
             f"{one.what}{f' of {one.where}' if one.where else ''}: {one.value:.4g} {one.unit}"
             + (f", limit {one.limit:.4g}" if math.isfinite(one.limit) and one.limit else "")
-            + f", at t = {one.time:.4g} s"
+            + f", at t = {round(one.time, 4):g} s"
             for one in self.demands
         )
 
@@ -233,11 +234,11 @@ class WalkForesight:
         share = rounded_down(self._greatest_share(lambda share: _leaning(self.walk, share)))
         if share == 0.0:
             return None
-        return Remedy(
-            what="attitude",
-            share=share,
-            says=f"{share:.3g} of the change of attitude is the greatest that works",
-        )
+        leaning = [one for one in _leaning(self.walk, share).attitudes if _is_to_come(one)]
+        what = f"{share:.3g} of every change of attitude"
+        if len(leaning) == 1:
+            what = _lean(leaning[0])
+        return Remedy(what="attitude", share=share, says=f"{what} is the greatest that works")
 
     def _other_height(self) -> Remedy | None:
         if self.heights is None:
@@ -398,7 +399,7 @@ def foresee_walk(
     >>> found.refusal is None
     True
     """
-    require_non_negative("gravity", gravity, "m/s^2")
+    require_positive("gravity, by which feet stand,", gravity, "m/s^2")
     require_non_negative("the height of a standing foot", foot_height, "m")
     if not duration > 0.0:
         raise InvalidValueError(f"the duration is {duration!r} s; it must be positive")
@@ -414,10 +415,7 @@ def foresee_walk(
 
 def require_gait(robot: Robot, gait: Gait, legs: int, *, dynamic: bool) -> None:
     """Refuse a gait for another number of legs, or one that leaves less than three feet down."""
-    if len(gait.phases) != legs:
-        raise InvalidValueError(
-            f"the gait {gait.name!r} is for {len(gait.phases)} legs; {robot.name!r} has {legs}"
-        )
+    require_phases(gait, robot.name, legs)
     if gait.fewest_down >= FEWEST_DOWN or dynamic:
         return
     duties = np.arange(1, 100) / 100.0
@@ -471,11 +469,35 @@ def _leaning(walk: Walk, share: float) -> Walk:
             yaw=share * one.yaw,
             shift=(share * one.shift[0], share * one.shift[1], share * one.shift[2]),
         )
-        if one.start + one.lasting > 0.0
+        if _is_to_come(one)
         else one
         for one in walk.attitudes
     ]
     return replace(walk, attitudes=attitudes)
+
+
+def _is_to_come(attitude: Attitude) -> bool:
+    """Whether a change of attitude is not over at the start."""
+    return attitude.start + attitude.lasting > 0.0
+
+
+def _lean(attitude: Attitude) -> str:
+    """Say how far an attitude turns and shifts the body: ``a roll of 12 deg``."""
+    angles = {"roll": attitude.roll, "pitch": attitude.pitch, "yaw": attitude.yaw}
+    parts = [
+        f"a {name} of {_towards_zero(math.degrees(one)):.3g} deg"
+        for name, one in angles.items()
+        if one
+    ]
+    if any(attitude.shift):
+        shift = ", ".join(f"{_towards_zero(one):.3g}" for one in attitude.shift)
+        parts.append(f"a shift by {shift} m")
+    return " with ".join(parts)
+
+
+def _towards_zero(value: float) -> float:
+    """Round to what is printed, so that what is printed works, too."""
+    return math.copysign(rounded_down(abs(value)), value)
 
 
 def _raised(walk: Walk, change: float) -> Walk:

@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.gait import GAITS, Gait
 from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk
@@ -57,6 +58,7 @@ def walk_of(
         If the robot has no such legs, or a number makes no sense.
     """
     legs = Legs.of(robot)
+    require_phases(gait, robot.name, legs.count)
     feet = legs.feet(np.reshape(starting_posture(robot), (-1, 3)))
     if height is None:
         height = foot_height - float(feet[:, 2].mean())
@@ -70,6 +72,15 @@ def walk_of(
         commands=commands,
         attitudes=(standing, *attitudes),
     )
+
+
+def require_phases(gait: Gait, robot: str, legs: int) -> None:
+    """Refuse a gait for another number of legs than a robot has."""
+    if len(gait.phases) != legs:
+        raise InvalidValueError(
+            f"the gait {gait.name!r} is for {len(gait.phases)} legs, and {robot!r} has {legs}: it "
+            f"needs {legs} `phases`, one for each leg"
+        )
 
 
 class PlanRow(NamedTuple):

@@ -206,11 +206,11 @@ def test_a_joint_limit_is_named_with_the_greatest_speed_or_attitude():
     slower = walk_of(replace(FORWARD, forward=speed), robot=limited)
     assert foresee_walk(limited, slower).refusal is None
     leaning = Attitude(roll=0.9, start=1.0)
-    (share,) = says(
+    (degrees,) = says(
         foresee_walk(HEXABOT, walk_of(attitudes=[leaning])),
-        r".*: ([\d.]+) of the change of attitude is the greatest that works",
+        r".*: a roll of ([\d.]+) deg is the greatest that works",
     )
-    part = replace(leaning, roll=share * leaning.roll)
+    part = replace(leaning, roll=math.radians(degrees))
     assert foresee_walk(HEXABOT, walk_of(attitudes=[part])).refusal is None
 
 
@@ -266,7 +266,7 @@ def test_where_feet_slide_no_walk_works():
 @pytest.mark.slow
 def test_gaits_that_do_not_suit_the_robot_are_refused():
     five = hexapod(hips={f"leg{i}": Hip(0.1 * math.cos(i), 0.1 * math.sin(i), i) for i in range(5)})
-    with pytest.raises(InvalidValueError, match="'tripod' is for 6 legs; 'hexabot' has 5"):
+    with pytest.raises(InvalidValueError, match="'tripod' is for 6 legs, and 'hexabot' has 5"):
         foresee_walk(five, walk_of(FORWARD))
     trot = Gait(name="trot", phases=(0.0, 0.5, 0.0, 0.5, 0.0, 0.5), duty=0.45, source="")
     with pytest.raises(
@@ -320,7 +320,7 @@ def test_the_greatest_speed_is_that_of_the_body_as_it_is_held_in_the_end():
         ({"walk": 3}, "walk is 3; it must be a Walk"),
         ({"servo": "ideal"}, "servo is 'ideal'; it must be a Servo or None"),
         ({"ground": 0.8}, "ground is 0.8; it must be a Ground"),
-        ({"gravity": -9.81}, "gravity is -9.81 m/s"),
+        ({"gravity": -9.81}, "gravity, by which feet stand, is -9.81 m/s"),
         ({"duration": 0.0}, "the duration is 0.0 s; it must be positive"),
         ({"duration": math.nan}, "the duration is nan s"),
         ({"foot_height": math.inf}, "height of a standing foot is inf"),
