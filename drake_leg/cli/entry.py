@@ -86,11 +86,31 @@ class _Version(argparse.Action):
         parser.exit()
 
 
+class _Help(argparse.Action):
+    """Prints the help of a command, which may depend on what was given before ``--help``."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: object,
+        option_string: str | None = None,
+    ) -> None:
+        explain = getattr(namespace, "explain", None)
+        if explain is not None:
+            explain(namespace)
+        parser.print_help()
+        parser.exit()
+
+
 class _Parser(argparse.ArgumentParser):
     """Prints errors in one sentence, without the usage; an option is written in full."""
 
     def __init__(self, **settings: Any) -> None:  # noqa: ANN401 - as argparse's
-        super().__init__(allow_abbrev=False, **settings)
+        super().__init__(allow_abbrev=False, add_help=False, **settings)
+        self.add_argument(
+            "-h", "--help", action=_Help, nargs=0, help="show this help message and exit"
+        )
 
     def error(self, message: str) -> NoReturn:
         option = re.fullmatch(r"argument (\S+): expected one argument", message)

@@ -6,7 +6,7 @@ import argparse
 import dataclasses
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -62,7 +62,7 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
     )
     parser.epilog = (
         "Lists are written with commas: --q0 -90,50,90. An option that a run does not "
-        "have is refused."
+        "have is refused: drake-leg run NAME --help explains those that it has."
     )
     parser.add_argument(
         "name",
@@ -81,8 +81,8 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
     add_page_option(parser)
     add_model_options(parser)
     add_model_run_options(parser)
-    add_run_options(parser)
-    parser.set_defaults(command=_run)
+    explain = partial(_explained, options=add_run_options(parser))
+    parser.set_defaults(command=_run, explain=explain)
 
 
 def _run(chosen: argparse.Namespace) -> int:
@@ -96,6 +96,7 @@ def _run(chosen: argparse.Namespace) -> int:
         {"--page": chosen.page is not None}, "is for Simulink models and means nothing here"
     )
     kind = run_kind(named_or_robot(chosen.name, chosen.numbers))
+    _refuse_walker(chosen, kind)
     options, formats = _options_and_formats(kind, chosen)
     folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
     check_shows(chosen)
@@ -126,6 +127,17 @@ def _run(chosen: argparse.Namespace) -> int:
     for sentence in filter(None, remarks):
         remark(sentence)
     return _status(summary, folder, pictures)
+
+
+def _refuse_walker(chosen: argparse.Namespace, kind: RunKind) -> None:
+    """Refuse a robot with legs and no ``--tip``, which walks by the name of another run."""
+    robot = kind.own
+    if robot is not None and robot.floating and len(robot.tips) > 1 and not hasattr(chosen, "tip"):
+        raise InvalidValueError(
+            f"{chosen.name} is a robot with {len(robot.tips)} legs, and this run moves one foot",
+            advice=f"let it walk by drake-leg run hexapod --robot {chosen.name}, or choose a foot "
+            "by `tip`",
+        )
 
 
 def _carried_out(
@@ -233,8 +245,18 @@ def _cost(summary: Mapping[str, Any], disturbed: Mapping[str, Any]) -> str:
 # --- options ----------------------------------------------------------------------------------
 
 
-def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of all runs, and ``--config``."""
+def _explained(chosen: argparse.Namespace, options: Sequence[argparse.Action]) -> None:
+    """Explain the options that one run has alone, in the help after its name."""
+    if chosen.name not in RUNS:
+        return
+    known = {field.name: field for field in dataclasses.fields(RUNS[chosen.name].options)}
+    for option in options:
+        own = known.get(option.dest)
+        option.help = argparse.SUPPRESS if own is None else _help_of({chosen.name: own}, only=True)
+
+
+def add_run_options(parser: argparse.ArgumentParser) -> list[argparse.Action]:
+    """Add the options of all runs, and ``--config``; return the options of runs."""
     parser.add_argument(
         "--config",
         type=Path,
@@ -243,22 +265,28 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "options on the command line override it",
     )
     group = parser.add_argument_group("options of runs")
+    added = []
     for option, fields in fields_by_name().items():
         first = next(iter(fields.values()))
-        unit = first.metadata["unit"]
         takes: dict[str, Any] = (
             {"action": "store_true"} if type_of(first) is bool else {"metavar": _metavar(first)}
         )
         if first.metadata["joined"]:
             takes["action"] = "append"
-        group.add_argument(
-            option_of(option),
-            default=argparse.SUPPRESS,
-            help=as_options(
-                f"{first.metadata['help']}{f' [{unit}]' if unit else ''} ({_defaults_text(fields)})"
-            ).replace("%", "%%"),
-            **takes,
+        one = group.add_argument(
+            option_of(option), default=argparse.SUPPRESS, help=_help_of(fields), **takes
         )
+        added.append(one)
+    return added
+
+
+def _help_of(fields: dict[str, dataclasses.Field[Any]], *, only: bool = False) -> str:
+    """Explain an option by its fields, by run: text, unit, defaults; of ``only`` one run."""
+    first = next(iter(fields.values()))
+    unit = first.metadata["unit"]
+    default = f"default {_default_text(first)}" if only else _defaults_text(fields)
+    text = f"{first.metadata['help']}{f' [{unit}]' if unit else ''} ({default})"
+    return as_options(text).replace("%", "%%")
 
 
 def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
@@ -330,12 +358,17 @@ def _shown(value: object) -> str:
     return f"{value:.9g}" if isinstance(value, float) else str(value)
 
 
+def _default_text(field: dataclasses.Field[Any]) -> str:
+    """Write the default of one run."""
+    text: str = field.metadata["shown"] or _shown(_default_of(field))
+    return text
+
+
 def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
     """Write the default, for each run if they differ, and which runs have the option."""
     runs_of: dict[str, list[str]] = {}
     for name, field in fields.items():
-        text = field.metadata["shown"] or _shown(_default_of(field))
-        runs_of.setdefault(text, []).append(name)
+        runs_of.setdefault(_default_text(field), []).append(name)
     everywhere = len(fields) == len(RUNS)
     if len(runs_of) == 1 and everywhere:
         return f"default {next(iter(runs_of))}"

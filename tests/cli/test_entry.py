@@ -173,3 +173,12 @@ def test_matrices_are_left_to_one_thread_before_numpy_loads(given, threads):
         [sys.executable, "-c", code], env=others | given, capture_output=True, text=True, check=True
     )
     assert done.stdout.splitlines()[-1] == f"False {threads}"
+
+
+def test_help_after_a_run_explains_its_options_alone(capsys):
+    with pytest.raises(SystemExit):
+        main(["run", "hexapod", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    assert "--gait TEXT one of tripod, ripple, ripple-pairs, wave, or own" in text
+    assert "(default 10, or until --distance or --angle is walked" in text
+    assert "--direction" not in text.partition("options of runs:")[2]

@@ -290,3 +290,21 @@ def test_a_missing_display_is_no_hindrance(here, monkeypatch):
         check=False,
     )
     assert (done.returncode, sentences(done)) == (0, [])
+
+
+def test_a_robot_that_walks_is_told_how(here, capsys):
+    err = refused(capsys, here, "phantomx", "--out", "out")
+    assert "let it walk by drake-leg run hexapod --robot phantomx, or choose a foot by --tip" in err
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (("--turn", "10", "--duration", "1.8"), "x real time, turned by 1.2"),
+        (("--sideways", "0.05", "--duration", "0.3"), "x real time, stood, heading off by"),
+    ],
+)
+def test_a_walk_says_how_far_it_went(no_figures, here, capsys, given, said):
+    status, out, _err = run(capsys, "hexapod", "--out", "out", *given)
+    assert status == 0
+    assert said in out
