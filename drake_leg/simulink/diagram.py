@@ -187,6 +187,8 @@ class _Walk:
                         parameters=place.file.charts.parameters(*names),
                     )
                 )
+        if not systems or chart != "NONE":
+            return
         within = replace(
             place,
             sid=block.sid,
@@ -196,7 +198,7 @@ class _Walk:
             inside=f"{inside}/" if inside else "",
             linked=None,
         )
-        for system in systems if chart == "NONE" else ():
+        for system in systems:
             self.read_system(system, within)
 
     def _followed(

@@ -53,6 +53,8 @@ def read_mask(block: Element, texts: dict[str, str]) -> Mask:
             kind = own.get("Type") or child.findtext("Type") or kind
             code = own.get("Initialization") or child.findtext("Initialization") or code
             entries += _newest(child) if child.tag == "Mask" else _older(child)
+    if not entries:
+        return Mask(type=kind.strip(), code=code)
     known = (*_CHOSEN, *_EVALUATED, "checkbox")
     return Mask(
         type=kind.strip(),
@@ -95,6 +97,8 @@ def _older(mask: Element) -> Iterator[_Entry]:
 
 
 def _oldest(texts: dict[str, str]) -> Iterator[_Entry]:
+    if "MaskVariables" not in texts:
+        return
     values = texts.get("MaskValueString", "").split("|")
     styles = re.findall(r"(\w+)(?:\(([^()]*)\))?", texts.get("MaskStyleString", ""))
     variables = [part for part in texts.get("MaskVariables", "").split(";") if part.strip()]

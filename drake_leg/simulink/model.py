@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 Numbers = float | tuple[float, ...] | tuple[tuple[float, ...], ...]
 Value = Numbers | str
+MOST_PORTS = 1 << 16  # that are kept split
 
 
 class Parameters(Mapping[str, Value]):
@@ -124,6 +125,7 @@ class Model:
     variables: Variables | None = field(default=None, compare=False, repr=False)
 
 
+@lru_cache(maxsize=MOST_PORTS)
 def split_port(port: str) -> tuple[str, str, int]:
     """Split a port into SID, kind (``in``, ``out``, ``lconn``, ``enable``, ...) and number."""
     sid, _, rest = port.partition("#")

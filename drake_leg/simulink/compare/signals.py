@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -68,18 +69,22 @@ class Scalar:
         """Multiply by a number."""
         return total([self], [factor])
 
-    @property
+    @cached_property
     def shape(self) -> Shape:
         """The atoms without their numbers: what the signal is made of."""
         return frozenset(Atom(kind="sine") if atom.kind == "sine" else atom for atom in self.terms)
 
     def renamed(self, names: Mapping[Atom, Atom]) -> Scalar:
         """Replace the atoms that have other names."""
+        if names.keys().isdisjoint(self.terms):
+            return self
         terms = {names.get(atom, atom): factor for atom, factor in self.terms.items()}
         return Scalar(self.constant, terms, self.origins)
 
     def per(self, units: Mapping[Atom, float]) -> Scalar:
         """Write atoms as multiples of other units."""
+        if units.keys().isdisjoint(self.terms):
+            return self
         terms = {atom: factor / units.get(atom, 1.0) for atom, factor in self.terms.items()}
         return Scalar(self.constant, terms, self.origins)
 

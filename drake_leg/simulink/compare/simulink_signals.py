@@ -203,6 +203,8 @@ class SimulinkSignals:
 
     def output(self, port: str) -> Signal:
         """Signal at a block's output."""
+        if port in self._known:
+            return self._known[port]
         if not self._under_way:
             for earlier in self._before(port):
                 self._output(earlier)
