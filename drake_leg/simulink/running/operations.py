@@ -175,6 +175,22 @@ def table_1d(at: float, points: Array, values: Array, *, beyond: str, method: st
     return float(values[place] + share * (values[place + 1] - values[place]))
 
 
+def place_in(at: float, points: Array, *, beyond: str) -> tuple[float, float]:
+    """Return between which points a number lies, and how far: the number before it, a fraction."""
+    last = len(points) - 1
+    if beyond == "clip":
+        at = min(max(at, points[0]), points[-1])
+    place = min(max(int(np.searchsorted(points, at, side="right")) - 1, 0), max(last - 1, 0))
+    return float(place), float((at - points[place]) / (points[place + 1] - points[place]))
+
+
+def between(values: Array, place: float, fraction: float) -> float:
+    """Interpolate between a value and the next."""
+    first = min(max(int(place), 0), len(values) - 1)
+    after = min(first + 1, len(values) - 1)
+    return float(values[first] + fraction * (values[after] - values[first]))
+
+
 def quotient(a: Signal, b: Signal) -> Array:
     """Divide arrays element by element, as `divided` does."""
     found: Array = np.divide(a, b)

@@ -10,6 +10,8 @@ from drake_leg.simulink.running.kinds.options import USUAL
 
 STEP = 0.05  # [s]
 LIBRARIES = {
+    "PID Controller (2DOF)": "simulink/Continuous/PID Controller (2DOF)",
+    "Discrete PID Controller (2DOF)": "simulink/Discrete/Discrete PID Controller (2DOF)",
     "PID Controller": "simulink/Continuous/PID Controller",
     "Discrete PID Controller": "simulink/Discrete/Discrete PID Controller",
     "Moving Average": "dspstat3/Moving Average",

@@ -144,6 +144,16 @@ CASES = [
         [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
     ),
     ("Lookup", {"InputValues": "[0 1]", "Table": "[5 6]"}, ["0.5"], 5.5),
+    (
+        "simulink/Lookup/Lookup Table Dynamic",
+        {"LookUpMeth": "Interpolation-Use End Values"},
+        ["4", "[0 1 3]", "[0 10 20]"],
+        20.0,
+    ),
+    ("simulink/Lookup/Lookup Table Dynamic", {}, ["4", "[0 1 3]", "[0 10 20]"], 25.0),
+    ("simulink/Limits/Dead Zone Dynamic", {}, ["2", V, "-1"], [0.0, -1.0, 1.0]),
+    ("simulink_extras/Cartesian to Polar", {}, ["3", "4"], 5.0),
+    ("simulink_extras/Polar to Cartesian", {}, ["2", "pi/3"], 1.0),
 ]
 
 
@@ -213,3 +223,28 @@ def test_a_demux_shares_out_what_comes(tmp_path):
     values = rig.values(tmp_path)
     assert values["first"].tolist() == [1.0, 2.0]
     assert values["rest"] == 3.0
+
+
+@pytest.mark.parametrize(("at", "beyond"), [(-1.0, "Linear"), (1.7, "Clip"), (9.0, "Clip")])
+def test_a_prelookup_and_an_interpolation_are_a_table(at, beyond, tmp_path):
+    rig = Rig()
+    u, v = rig.constant(str(at)), rig.constant("0.4")
+    one = rig.add_block("PreLookup", "one", {"BreakpointsData": "[0 1 3]", "ExtrapMethod": beyond},
+                        ports={"in": 1, "out": 2})  # fmt: skip
+    two = rig.add_block("PreLookup", "two", {"BreakpointsData": "[0 2]"}, ports={"in": 1, "out": 2})
+    rig.connect(u, one)
+    rig.connect(v, two)
+    ends = [f"{one}#out:1", f"{one}#out:2", f"{two}#out:1", f"{two}#out:2"]
+    rig.show(rig.block("Interpolation_n-D", "line", *ends[:2], Table="[5 7 1]",
+                       NumberOfTableDimensions="1"), "line")  # fmt: skip
+    rig.show(rig.block("Interpolation_n-D", "plane", *ends, Table="[5 6;7 8;1 4]",
+                       NumberOfTableDimensions="2"), "plane")  # fmt: skip
+    rig.show(rig.block("Lookup_n-D", "same line", u, Table="[5 7 1]", ExtrapMethod=beyond,
+                       BreakpointsForDimension1="[0 1 3]"), "same line")  # fmt: skip
+    rig.show(rig.block("Lookup_n-D", "same plane", u, v, Table="[5 6;7 8;1 4]",
+                       NumberOfTableDimensions="2", BreakpointsForDimension1="[0 1 3]",
+                       BreakpointsForDimension2="[0 2]", ExtrapMethod=beyond),
+             "same plane")  # fmt: skip
+    found = rig.values(tmp_path)
+    assert found["line"] == pytest.approx(found["same line"])
+    assert found["plane"] == pytest.approx(found["same plane"])

@@ -80,6 +80,7 @@ def kinds_of_blocks() -> dict[str, Kind]:
     """Return all kinds of blocks that run, by their names."""
     from drake_leg.simulink.running.kinds import (  # noqa: F401
         continuous,
+        controllers,
         discontinuities,
         discrete,
         functions,

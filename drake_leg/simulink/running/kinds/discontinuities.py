@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from drake_leg.simulink.running.code import Operand, Writer
+from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
-from drake_leg.simulink.running.settings import Signal
+from drake_leg.simulink.running.settings import Signal, zero_like
 
 
 def _with(w: Writer, u: Operand, *values: Signal) -> tuple[Operand, list[str]]:
@@ -54,6 +54,25 @@ def dead_zone(w: Writer) -> None:
         w.out(f"dead({u.code}, {low}, {high})")
     else:
         w.out(f"{u.code} - np.clip({u.code}, {low}, {high})")
+
+
+@kind("Dead Zone Dynamic")
+def dynamic_dead_zone(w: Writer) -> None:
+    """Put out how far a signal is outside of a zone between two others."""
+    up, u, low = w.alike([w.numeric(0), w.numeric(1), w.numeric(2)])
+    w.out(f"{u.code} - ({limit_code(u, low.code, up.code)})")
+
+
+@kind("Rate Limiter Dynamic", finish=lambda w: w.remember(w.kept["output"]), sampled=True)
+def dynamic_rate_limiter(w: Writer) -> None:
+    """Limit the slope of a signal by two others, from sample to sample."""
+    up, u, low = w.alike([w.numeric(0), w.numeric(1), w.numeric(2)])
+    if w.period is None:
+        raise w.fault("has no sample time: set one before it")
+    before, step = w.remembered(zero_like(u.value)), literal(w.period)
+    moved = w.let(f"{u.code} - {before.code}", "moved")
+    limited = limit_code(moved, f"{low.code} * {step}", f"{up.code} * {step}")
+    w.kept["output"] = w.out(f"{before.code} + {limited}").code
 
 
 @kind("Quantizer")

@@ -199,3 +199,59 @@ def average(w: Writer) -> None:
     u = w.numeric()
     past = f"sum({window.code})" if length > 1 else "0.0"
     w.out(f"({u.code} + {past}) / {literal(float(length))}")
+
+
+def _count_after(w: Writer) -> None:
+    w.remember(f"{w.kept['count']} + 1.0 if {w.kept['count']} < {w.kept['last']} else 0.0")
+
+
+@kind("Counter Limited", "Counter Free-Running", finish=_count_after, sampled=True,
+      sample_time="tsamp")  # fmt: skip
+def counter(w: Writer) -> None:
+    """Count the samples from 0 to a limit, again and again."""
+    limited = w.node.block.kind == "Counter Limited"
+    last = (
+        w.settings.number("uplimit", "7")
+        if limited
+        else 2.0 ** w.settings.number("NumBits", "16") - 1.0
+    )
+    w.kept["last"] = literal(last)
+    w.kept["count"] = w.remembered(0.0).code
+    w.put(w.let(w.kept["count"]))
+
+
+def _tapped_after(w: Writer) -> None:
+    w.remember(f"({w.kept['past']} + ({w.numeric().code},))[1:]")
+
+
+def _tapped_inputs(_: Node, settings: Settings) -> Iterable[int]:
+    return (0,) if settings.is_on("includeCurrent") else ()
+
+
+@kind("Tapped Delay", finish=_tapped_after, direct=_tapped_inputs, sampled=True,
+      sample_time="samptime")  # fmt: skip
+def tapped_delay(w: Writer) -> None:
+    """Put out what came in during the last samples, as a vector, the oldest first or last."""
+    count = int(w.settings.number("NumDelays", "4"))
+    past = w.remembered((w.settings.number("vinit", "0.0"),) * count)
+    w.kept["past"] = past.code
+    parts = f"*{past.code}"
+    if w.settings.is_on("includeCurrent"):
+        if not w.numeric().is_scalar:
+            raise w.fault("delays a vector, which does not run: give it one number")
+        parts += f", {w.numeric().code}"
+    newest_first = w.settings.text("DelayOrder", "Oldest") == "Newest"
+    w.out(f"array([{parts}]{'[::-1]' if newest_first else ''})")
+
+
+def _first_order_after(w: Writer) -> None:
+    w.remember(w.kept["output"])
+
+
+@kind("Transfer Fcn First Order", finish=_first_order_after, sampled=True)
+def first_order(w: Writer) -> None:
+    """Filter by one discrete pole, with a gain of 1 at rest."""
+    u, pole = w.numeric(), w.settings.number("PoleZ", "0.95")
+    before = w.remembered(w.settings.array("ICPrevOutput", "0.0"))
+    code = f"{literal(pole)} * {before.code} + {literal(1.0 - pole)} * {u.code}"
+    w.kept["output"] = w.out(code).code

@@ -413,3 +413,26 @@ def transformation(w: Writer) -> None:
     w.out(f"represented({pose.code}, {b!r}, {orders[1]!r})", 0)
     if len(w.node.outputs) > 1:
         w.out(f"{pose.code}[:3, 3].copy()", 1)
+
+
+@kind("Cartesian to Polar")
+def to_polar(w: Writer) -> None:
+    """Convert x and y to a distance and an angle [rad]."""
+    x, y = _two_numbers(w)
+    w.out(f"hypot({x}, {y})", 0)
+    w.out(f"atan2({y}, {x})", 1)
+
+
+@kind("Polar to Cartesian")
+def from_polar(w: Writer) -> None:
+    """Convert a distance and an angle [rad] to x and y."""
+    r, angle = _two_numbers(w)
+    w.out(f"{r} * cos({angle})", 0)
+    w.out(f"{r} * sin({angle})", 1)
+
+
+def _two_numbers(w: Writer) -> tuple[str, str]:
+    one, other = w.numeric(0), w.numeric(1)
+    if not (one.is_scalar and other.is_scalar):
+        raise w.fault("converts vectors, which does not run: give it two numbers")
+    return one.code, other.code

@@ -23,6 +23,8 @@ _TABLE: Usual = {"DataSpecification": ("Table and breakpoints",), "UseLastTableV
 USUAL: Mapping[str, Usual] = {
     "PID Controller": _PID,
     "Discrete PID Controller": _PID,
+    "Discrete PID Controller (2DOF)": _PID,
+    "PID Controller (2DOF)": _PID,
     "DiscreteIntegrator": {
         "ExternalReset": ("none",),
         "InitialConditionSetting": ("Auto", "State (most efficient)", "State"),
@@ -42,6 +44,7 @@ USUAL: Mapping[str, Usual] = {
         "ShowEnablePort": ("off",),
     },
     "TransportDelay": {"TransDelayFeedthrough": ("off",)},
+    "VariableTransportDelay": {"VariableDelayType": ("Variable time delay",)},
     "LTI System": {"IC": ("[]", "0")},
     "Lookup_n-D": _TABLE,
     "Merge": {"AllowUnequalInputPortWidths": ("off",)},

@@ -250,6 +250,16 @@ def random(w: Writer) -> None:
         w.out(f"noise(t, {seed}, {sample}, {literal(lower)}, {literal(upper)})")
 
 
+@kind("Band-Limited White Noise", sample_time="Ts")
+def white_noise(w: Writer) -> None:
+    """Put out random numbers of a power, the same in every run; they are not MATLAB's."""
+    if not w.period:
+        raise w.fault("has no sample time: set one")
+    seed = int(w.settings.numbers("seed", "[23341]")[0])
+    deviation = (w.settings.number("Cov", "[0.1]") / w.period) ** 0.5
+    w.out(f"normal_noise(t, {seed}, {literal(w.period)}, 0.0, {literal(deviation)})")
+
+
 @kind("FromWorkspace")
 def from_workspace(w: Writer) -> None:
     """Put out what a variable says over time: a matrix of time and values, or a structure."""

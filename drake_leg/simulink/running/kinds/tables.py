@@ -10,7 +10,7 @@ from drake_leg.simulink.running.kinds import kind
 FROM_PORT = "Input port"
 
 
-@kind("Lookup_n-D", "Lookup", "PS Lookup Table (1D)", "Interpolation_n-D")
+@kind("Lookup_n-D", "Lookup", "PS Lookup Table (1D)")
 def lookup(w: Writer) -> None:
     """Look a number up: lines between points, in one dimension or two."""
     s = w.settings
@@ -38,8 +38,10 @@ def lookup(w: Writer) -> None:
     table = s.matrix("Table", "[0 1]")
     if dimensions == 1:
         _one(w, points, table.ravel(order="F"), beyond, method)
-    elif dimensions == 2:
+    elif dimensions == 2 and method == "linear":
         _two(w, points, _points(w, 2), table, beyond)
+    elif dimensions == 2:
+        raise w.fault(f"looks up in two dimensions by {s.text('InterpMethod')!r}: choose 'Linear'")
     else:
         raise w.fault(f"has {dimensions} dimensions; tables of one or two run")
 
@@ -64,6 +66,54 @@ def _of_ports(w: Writer, dimensions: int, beyond: str, method: str) -> None:
     if at.size != of.size:
         raise w.fault(f"has {at.size} points and {of.size} values: give as many of both")
     w.out(f"table_1d({u.code}, {at.code}, {of.code}, beyond={beyond!r}, method={method!r})")
+
+
+@kind("Lookup Table Dynamic")
+def dynamic_lookup(w: Writer) -> None:
+    """Look a number up in points and values that come in."""
+    how = w.settings.text("LookUpMeth", "Interpolation-Extrapolation")
+    beyond = "line" if how == "Interpolation-Extrapolation" else "clip"
+    if "Interpolation" not in how:
+        raise w.fault(f"looks up by {how!r}, which does not run: choose one of interpolation")
+    at, of = w.vector(1), w.vector(2)
+    if at.size != of.size:
+        raise w.fault(f"has {at.size} points and {of.size} values: give as many of both")
+    u = w.numeric()
+    if not u.is_scalar:
+        raise w.fault("looks a vector up, which does not run: give it one number")
+    w.out(f"table_1d({u.code}, {at.code}, {of.code}, beyond={beyond!r}, method='linear')")
+
+
+@kind("PreLookup")
+def prelookup(w: Writer) -> None:
+    """Tell between which points a number lies: how many are below, and the fraction beyond."""
+    points = w.settings.numbers("BreakpointsData", "[10:10:110]")
+    u = w.numeric()
+    if not u.is_scalar:
+        raise w.fault("looks a vector up, which does not run: give it one number")
+    beyond = "clip" if w.settings.text("ExtrapMethod", "Clip") == "Clip" else "line"
+    p = w.constant(points, "points")
+    found = w.let(f"place_in({u.code}, {p}, beyond={beyond!r})", "place")
+    w.out(f"{found.code}[0]", 0)
+    w.out(f"{found.code}[1]", 1)
+
+
+@kind("Interpolation_n-D")
+def interpolation(w: Writer) -> None:
+    """Interpolate in a table between the places that Prelookups found."""
+    s = w.settings
+    dimensions = int(s.number("NumberOfTableDimensions", "1"))
+    if dimensions > 2 or not s.text("InterpMethod", "Linear").startswith("Linear"):
+        raise w.fault("interpolates by lines in one dimension or two alone")
+    table = s.matrix("Table", "[0 1]")
+    if dimensions == 1:
+        k, f = w.input(0).code, w.input(1).code
+        values = w.constant(table.ravel(order="F"), "values")
+        w.out(f"between({values}, {k}, {f})")
+        return
+    k1, f1, k2, f2 = (w.input(place).code for place in range(4))
+    rows = w.constant(table, "table")
+    w.out(f"between(array([between(row, {k2}, {f2}) for row in {rows}]), {k1}, {f1})")
 
 
 @kind("Lookup2D")

@@ -1,0 +1,99 @@
+"""Blocks that count, delay and filter sample by sample, and controllers, against recursions."""
+
+import numpy as np
+import pytest
+from rigs import Rig, shown
+from scipy import signal
+
+STEP = 0.1  # [s]
+SAMPLES = np.sin(5.0 * STEP * np.arange(30))
+
+
+def held_sine(rig):
+    sine = rig.block("Sin", "sine", Frequency="5")
+    return rig.block("ZeroOrderHold", "hold", sine, SampleTime=f"{STEP}")
+
+
+def between_samples(run):
+    """Rows that are not at a sample time, and the number of the sample before each."""
+    k = np.floor(run.time / STEP + 1e-6).astype(int)
+    return np.abs(run.time / STEP - np.round(run.time / STEP)) > 1e-6, k
+
+
+def test_counters_begin_again_beyond_their_limit(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("simulink/Sources/Counter Limited", "to 2", uplimit="2", tsamp="0.1"), "n")
+    rig.show(rig.block("simulink/Sources/Counter Free-Running", "bits", NumBits="2", tsamp="0.1"),
+             "bits")  # fmt: skip
+    run = rig.run(tmp_path)
+    rows, k = between_samples(run)
+    assert np.array_equal(shown(run, "n")[rows], (k % 3)[rows])
+    assert np.array_equal(shown(run, "bits")[rows], (k % 4)[rows])
+
+
+@pytest.mark.parametrize(("current", "order"), [("off", "Oldest"), ("on", "Newest")])
+def test_a_tapped_delay_is_a_window(current, order, tmp_path):
+    rig = Rig()
+    rig.show(rig.block("simulink/Discrete/Tapped Delay", "taps", held_sine(rig), NumDelays="2",
+                       vinit="7", includeCurrent=current, DelayOrder=order,
+                       samptime=f"{STEP}"), "y")  # fmt: skip
+    run = rig.run(tmp_path)
+    rows, k = between_samples(run)
+    past = np.concatenate([[7.0, 7.0], SAMPLES])
+    window = [past[k], past[k + 1]] + ([past[k + 2]] if current == "on" else [])
+    expected = np.column_stack(window[::-1] if order == "Newest" else window)
+    np.testing.assert_allclose(shown(run, "y")[rows], expected[rows], atol=1e-12)
+
+
+def test_one_discrete_pole(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("simulink/Discrete/Transfer Fcn First Order", "pole", held_sine(rig),
+                       PoleZ="0.8"), "y")  # fmt: skip
+    run = rig.run(tmp_path)
+    rows, k = between_samples(run)
+    expected = signal.lfilter([0.2], [1.0, -0.8], SAMPLES)[k]
+    np.testing.assert_allclose(shown(run, "y")[rows], expected[rows], atol=1e-12)
+
+
+def test_a_slope_is_limited_by_signals(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("simulink/Limits/Rate Limiter Dynamic", "limited", rig.constant("2"),
+                       held_sine(rig), rig.constant("-3")), "y")  # fmt: skip
+    run = rig.run(tmp_path)
+    rows, k = between_samples(run)
+    expected, before = [], 0.0
+    for sample in SAMPLES:
+        before += min(max(sample - before, -0.3), 0.2)
+        expected.append(before)
+    np.testing.assert_allclose(shown(run, "y")[rows], np.array(expected)[k][rows], atol=1e-12)
+
+
+def test_a_delay_may_come_in(tmp_path):
+    rig = Rig()
+    clock = rig.block("Clock", "clock")
+    late = rig.block("Gain", "half", clock, Gain="0.5")
+    rig.show(rig.block("VariableTransportDelay", "delay", clock, late, InitialOutput="0",
+                       MaximumDelay="2"), "y")  # fmt: skip
+    run = rig.run(tmp_path)
+    np.testing.assert_allclose(shown(run, "y"), 0.5 * run.time, atol=1e-9)
+
+
+def test_a_controller_with_weights(tmp_path):
+    rig = Rig()
+    r, y = rig.constant("2"), rig.block("Clock", "clock")
+    rig.show(rig.block("simulink/Continuous/PID Controller (2DOF)", "pid", r, y, Controller="PID",
+                       P="3", I="0.5", D="0.2", N="10", b="0.4", c="0"), "u")  # fmt: skip
+    run = rig.run(tmp_path)
+    t = run.time
+    filtered = -0.2 * (1.0 - np.exp(-10.0 * t))  # 10 s / (s + 10) of -t, times D
+    expected = 3.0 * (0.8 - t) + 0.5 * (2.0 * t - t**2 / 2.0) + filtered
+    np.testing.assert_allclose(shown(run, "u"), expected, atol=1e-7)
+
+
+def test_white_noise_has_its_power(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("simulink/Sources/Band-Limited White Noise", "noise",
+                       Cov="[0.1]", Ts="0.002", seed="[7]"), "y")  # fmt: skip
+    values = np.unique(shown(rig.run(tmp_path), "y"))
+    assert len(values) > 450
+    assert np.std(values) == pytest.approx((0.1 / 0.002) ** 0.5, rel=0.1)
