@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -14,7 +15,11 @@ from drake_leg.simulink.catalogue import known_parameters, under_todays_names
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.linking import Libraries, Linked
 from drake_leg.simulink.masks import Mask, read_mask
+from drake_leg.simulink.matlab.data import LackError
+from drake_leg.simulink.matlab.signal_builder import built_signals, text_of_signals
 from drake_leg.simulink.model import Function, split_port
+
+BUILT = "SigBuilderData"  # parameter of a Signal Builder that holds its signals
 
 _PORT = re.compile(r"(?P<sid>[^#]+)#(?P<kind>[A-Za-z]+)(?::(?P<number>\d{1,6}))?")
 _PHYSICAL = ("lconn", "rconn")
@@ -292,6 +297,8 @@ def _drawn_block(element: Element, place: _Place) -> DrawnBlock:
     for child in element:
         if child.tag == "InstanceData":
             texts |= parameters(child)
+        if child.get("Name") == BUILT and child.get("Ref"):
+            texts |= _built(place.file.data(child.get("Ref", "")))
         if child.get("ListType") == "InterfaceData":  # of a port of one element of a bus
             own = parameters(child)
             texts |= {"Port": own.get("PortNumber", "1")} | own
@@ -306,6 +313,14 @@ def _drawn_block(element: Element, place: _Place) -> DrawnBlock:
         ports=ports,
         mask=read_mask(element, texts),
     )
+
+
+def _built(content: bytes | None) -> dict[str, str]:
+    """Read the signals of a Signal Builder; what is damaged is missing where it is needed."""
+    with suppress(LackError):
+        if content is not None:
+            return {BUILT: text_of_signals(built_signals(content))}
+    return {}
 
 
 def _ports(element: Element, texts: dict[str, str]) -> dict[str, int]:

@@ -84,6 +84,12 @@ class SimulinkFile:
         """The model workspace that the file itself keeps, packed."""
         return self._parts.read(_WORKSPACE)
 
+    def data(self, reference: str) -> bytes | None:
+        """Read the data that a ``<P Ref="bdmxdata:...">`` names; None where there are none."""
+        name = reference.removeprefix("bdmxdata:")
+        found = _SYSTEM.fullmatch(name)
+        return self._parts.read(f"simulink/bdmxdata/{name}.mxarray") if found else None
+
     @property
     def is_model(self) -> bool:
         """Whether it is a model, not a library or a subsystem, which others lend their values."""

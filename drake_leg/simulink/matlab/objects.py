@@ -74,6 +74,25 @@ class Objects:
             at += 1 + 3 * count
             at += at % 2  # sets begin at eight bytes
 
+    def all(self) -> Iterator[dict[str, Any]]:
+        """Yield the properties of every object, by name."""
+        for number in self._sets:
+            yield self.of(number)
+
+    def of(self, number: int) -> dict[str, Any]:
+        """Properties of an object, by name; those at their defaults are not told."""
+        chosen = self._sets.get(number, -1)
+        known = self._properties[chosen] if 0 <= chosen < len(self._properties) else {}
+        last = self._list.shape[0] - _FIRST
+        return {name: self._list[at + _FIRST, 0] for name, at in known.items() if 0 <= at < last}
+
+    def numbers_in(self, reference: Any) -> list[int]:  # noqa: ANN401
+        """Numbers of the objects that a reference, or an array of references, names."""
+        numbers = np.asarray(reference).ravel().tolist()
+        if len(numbers) < 6 or int(numbers[0]) != _REFERENCE:
+            return []
+        return [int(each) for each in numbers[2 + int(numbers[1]) : -1]]
+
     def property(self, reference: Any, name: str) -> Any:  # noqa: ANN401
         """Value of a property of an object, by a reference to it; None where there is none."""
         numbers = np.asarray(reference).ravel()

@@ -262,15 +262,29 @@ def white_noise(w: Writer) -> None:
 
 @kind("FromWorkspace")
 def from_workspace(w: Writer) -> None:
-    """Put out what a variable says over time: a matrix of time and values, or a structure."""
-    times, values = workspace_table(w, w.settings.value("VariableName", "simin"))
+    """Put out what a variable says over time: a matrix of time and values, or a structure.
+
+    Inside a Signal Builder, put out its signals.
+    """
     end = w.settings.text("OutputAfterFinalValue", "Extrapolation")
     held = end == "Holding final value"
     if w.settings.text("Interpolate", "on") == "off":
         method = "steps"
     else:
         method = "hold" if held else ("zero" if end == "Setting to zero" else "lines")
-    w.out(f"over_time(t, {w.constant(times, 'times')}, {w.constant(values, 'values')}, '{method}')")
+    if not w.settings.has("SigBuilderData"):
+        w.out(_table_over_time(w, w.settings.value("VariableName", "simin"), method))
+        return
+    tables = w.settings.value("SigBuilderData").items.ravel()
+    for table in tables:
+        w.pen.breaks |= set(np.asarray(table)[:, 0].tolist())
+    codes = [_table_over_time(w, table, method) for table in tables]
+    w.out(codes[0] if len(codes) == 1 else f"array([{', '.join(codes)}])")
+
+
+def _table_over_time(w: Writer, given: object, method: str) -> str:
+    times, values = workspace_table(w, given)
+    return f"over_time(t, {w.constant(times, 'times')}, {w.constant(values, 'values')}, '{method}')"
 
 
 def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray]:
