@@ -92,6 +92,8 @@ class _Signals:
 
     def __init__(self, model: Model, blocks: dict[str, Block], gated: Container[str] = ()) -> None:
         self._blocks, self._gated = blocks, gated
+        # In a library, what a From takes may come from the model that uses it.
+        self._may_lack = model.variables is not None and model.variables.is_lent
         self._drivers = {wire.target: wire for wire in model.wires}
         self._ports = {
             (block.system, block.type, block.parameters.get("Port")): block
@@ -166,19 +168,22 @@ class _Signals:
     def _behind(self, block: Block, number: int) -> str:
         """Return the input that an output of a boundary block repeats; "" where there is none."""
         if block.type == "From":
-            return f"{self._goto(block).sid}#in:1"
+            goto = self._goto(block)
+            return f"{goto.sid}#in:1" if goto else ""
         if block.type == "Inport":
             return f"{block.system}#in:{_count(block.parameters.get('Port'))}"
         outport = self._ports.get((block.sid, "Outport", float(number)))
         return f"{outport.sid}#in:1" if outport else ""
 
-    def _goto(self, block: Block) -> Block:
+    def _goto(self, block: Block) -> Block | None:
         """Return the Goto of a From: that of its system, or the only one that is visible there."""
         tag = str(block.parameters.get("GotoTag"))
         alike = self._gotos.get(tag, [])
         near = [goto for goto in alike if goto.system == block.system]
         far = [goto for goto in alike if goto.parameters.get("TagVisibility") != "local"]
         fits = near or far
+        if not fits and self._may_lack:
+            return None
         if len(fits) != 1:
             raise InvalidValueError(
                 f"block {block.name!r} (SID {block.sid}) has the tag {tag!r}, for which there "

@@ -180,3 +180,15 @@ def test_arguments_of_a_matlab_function_may_be_parameters(tmp_path):
     model = read_model(path, init=[tmp_path / "values.m"])
     run = run_model(runnable(model, duration=0.1))
     assert shown(run, "y")[0] == 6.0
+
+
+def test_what_a_from_of_a_library_takes_from_its_user_is_zero(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("Bias", "one", rig.block("From", "from", GotoTag="A"), Bias="1"), "y")
+    parts = rig.parts()
+    with pytest.raises(InvalidValueError, match="there is no Goto"):
+        runnable(read_model(write_parts(tmp_path / "model.slx", parts)), duration=0.1)
+    whole = "simulink/blockdiagram.xml"
+    parts[whole] = parts[whole].replace("Model>", "Library>")
+    model = read_model(write_parts(tmp_path / "library.slx", parts))
+    assert shown(run_model(runnable(model, duration=0.1)), "y")[0] == 1.0
