@@ -217,10 +217,7 @@ class _Mechanism:
         self.sensed = plant.GetFrameByName(sensed) if sensed else None
         self.springs = _springs(plant)
         self.joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
-        self.driven = {
-            plant.get_joint_actuator(index).joint().name()
-            for index in plant.GetJointActuatorIndices()
-        }
+        self.driven = _driven(plant)
         self.chain = Chain()
 
     def picture(self, title: str) -> Picture:
@@ -299,13 +296,21 @@ class _Mechanism:
         kind = {"revolute": "Revolute Joint", "prismatic": "Prismatic Joint"}
         caption = [joint.name(), kind.get(joint.type_name(), f"{joint.type_name()} joint")]
         if joint.name() in self.driven:
-            caption.append("motion by input")
+            caption.append(self.driven[joint.name()])
         if joint.num_velocities() == 1:
             turning = joint.type_name() == "revolute"
             caption += damping_words(joint.default_damping_vector()[0], turning=turning)
         caption += self.springs.get(joint.name(), ())
         glyph = joint.type_name() if joint.type_name() in kind else "solid"
         return DrawnBlock(name=joint.name(), caption=tuple(caption), glyph=glyph)
+
+
+def _driven(plant: MultibodyPlant) -> dict[str, str]:
+    """Say how every joint with an actuator is driven."""
+    actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices()]
+    servos = {one.joint().name() for one in actuators if one.has_controller()}
+    names = (one.joint().name() for one in actuators)
+    return {name: "torque of a servo" if name in servos else "motion by input" for name in names}
 
 
 def _springs(plant: MultibodyPlant) -> dict[str, tuple[str, ...]]:

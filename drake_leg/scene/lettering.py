@@ -26,6 +26,8 @@ Pixels = NDArray[np.uint8]  # (height, width, 3), red, green, blue
 
 HALO = 2  # [pixels] of paper around letters
 SUBSCRIPTS = str.maketrans("0123456789W", "₀₁₂₃₄₅₆₇₈₉ᵂ")
+LOW_W = "ᵂ"  # at the end of a name; Unicode has it only high, and it is written low
+LOW_SIZE, LOW_BY = 0.7, 0.22  # of a letter's size
 TOWARDS, AWAY = "⊙", "⊗"  # before the name of an axis that is seen from its end
 
 
@@ -83,22 +85,42 @@ def write_on(image: Pixels, words: Sequence[Words], *, paper: Paper = LIGHT) -> 
         if any(_overlap(box, other) for other in taken):
             continue
         taken.append(box)
-        draw.text(
-            (word.x, word.y),
-            word.text,
-            fill=_bytes(word.colour),
-            font=font,
-            anchor="lm",
-            stroke_width=HALO,
-            stroke_fill=_bytes(paper.background),
-        )
+        text = word.text.removesuffix(LOW_W)
+        parts = [(word.x, word.y, text, font)]
+        if text != word.text:
+            low = word.y + LOW_BY * word.size
+            parts.append((word.x + font.getlength(text), low, "W", _low_font(word.size)))
+        for x, y, part, of in parts:
+            draw.text(
+                (x, y),
+                part,
+                fill=_bytes(word.colour),
+                font=of,
+                anchor="lm",
+                stroke_width=HALO,
+                stroke_fill=_bytes(paper.background),
+            )
     return np.asarray(picture)
 
 
 @cache
 def width_of(text: str, size: int) -> float:
     """Compute the width of a text with its halo [pixels]."""
-    return _font(size).getlength(text) + 2.0 * HALO
+    name = text.removesuffix(LOW_W)
+    low = 0.0 if name == text else _low_font(size).getlength("W")
+    return _font(size).getlength(name) + low + 2.0 * HALO
+
+
+def fitted(text: str, size: int, width: float) -> list[str]:
+    """Break a text into lines of at most some width [pixels], after its semicolons."""
+    lines: list[str] = []
+    for part in text.split("; "):
+        together = f"{lines[-1]}; {part}" if lines else part
+        if lines and width_of(together, size) <= width:
+            lines[-1] = together
+        else:
+            lines.append(part)
+    return lines
 
 
 def reduced(image: Pixels, share: int) -> Pixels:
@@ -119,6 +141,10 @@ def _overlap(a: Sequence[float], b: Sequence[float]) -> bool:
 def _font(size: int) -> ImageFont.FreeTypeFont:
     file = Path(get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
     return ImageFont.truetype(str(file), size)
+
+
+def _low_font(size: int) -> ImageFont.FreeTypeFont:
+    return _font(round(LOW_SIZE * size))
 
 
 @dataclass(frozen=True, kw_only=True)

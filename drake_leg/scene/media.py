@@ -25,7 +25,16 @@ from drake_leg.scene.artists import (
     rendering_fault,
     require_rendering,
 )
-from drake_leg.scene.lettering import LIGHT, AxisNames, Paper, Pixels, Words, reduced, write_on
+from drake_leg.scene.lettering import (
+    LIGHT,
+    AxisNames,
+    Paper,
+    Pixels,
+    Words,
+    fitted,
+    reduced,
+    write_on,
+)
 from drake_leg.scene.scene import (
     FOOT_TRACE,
     TRACE,
@@ -147,6 +156,7 @@ def walking_still(motion: PlantMotion, time: float, *, view: View | str = "3d") 
 def _still(scene: Scene, posture: PlantMotion, seen_from: View, paper: Paper) -> Still:
     able: type[Renderer] | type[Sketcher] = Renderer if rendering_fault() is None else Sketcher
     artist = able(scene, width=SMOOTHING * WIDTH, height=SMOOTHING * HEIGHT, paper=paper)
+    seen_from = scene.own(seen_from)
     text = seen_from.titled(scene.shown.title)
     title = Words(text=text, x=28, y=38, size=TITLE, colour=paper.ink)
     names = AxisNames(artist, scene, seen_from, share=SMOOTHING, size=LETTERS, paper=paper)
@@ -281,6 +291,7 @@ def _images(
     progress: Callable[[float], None] | None,
     share: int,
 ) -> Iterator[Pixels]:
+    view = scene.own(view)
     renderer = Renderer(scene, width=VIDEO_WIDTH, height=VIDEO_HEIGHT)
     height = VIDEO_HEIGHT // share
     letters, margin = max(height // 30, 13), height // 28
@@ -294,8 +305,13 @@ def _images(
         if frames.footing is not None:
             image = draw_footing(image, renderer, view, scene, frames.footing, row, share)
             text = f"{text}, {_told(scene, frames, row)}"
-        clock = Words(text=text, x=margin, y=height - 1.4 * margin, size=letters)
-        words = [title, clock, *names.place(X_WF, [title, clock])]
+        lines = fitted(text, letters, VIDEO_WIDTH // share - 2 * margin)
+        last = height - 1.4 * margin
+        told = [
+            Words(text=line, x=margin, y=last - 1.4 * letters * back, size=letters)
+            for back, line in enumerate(reversed(lines))
+        ]
+        words = [title, *told, *names.place(X_WF, [title, *told])]
         yield write_on(image, words)
         if progress is not None:
             progress(float(time - frames.time[0]))

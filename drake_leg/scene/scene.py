@@ -372,6 +372,14 @@ VIEWS = {
 }
 
 
+# A robot that walks has its front along x, and its right side along -y.
+WALKING_VIEWS = {
+    **VIEWS,
+    "right": replace(VIEWS["right"], towards=VIEWS["front"].towards),
+    "front": replace(VIEWS["front"], towards=VIEWS["right"].towards),
+}
+
+
 def as_view(view: View | str) -> View:
     """Return a view by its name; a View is returned as it is."""
     if isinstance(view, View):
@@ -424,6 +432,15 @@ class Scene:
     triads: int  # how many of the first frames have axes
     footing: Footing | None = None  # of a robot that walks: pictures go with it, over its ground
     whole: Array | None = None  # (n, 3), its whole walk [m]
+
+    @property
+    def views(self) -> dict[str, View]:
+        """The views that have names."""
+        return WALKING_VIEWS if self.footing is not None or self.shown.walks else VIEWS
+
+    def own(self, view: View) -> View:
+        """Return the scene's own view of the same name; another one as it is."""
+        return self.views[view.name] if view in VIEWS.values() else view
 
     @property
     def held(self) -> Array:

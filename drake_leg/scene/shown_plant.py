@@ -162,6 +162,7 @@ class ShownPlant:
             raise InvalidValueError("the plant is not finalized: call plant.Finalize() first")
         self.plant, self.name = plant, _name_of(plant)
         self.joints: list[int] | None = None  # positions of a robot's joints, in its table's order
+        self.walks = False  # whether it is a robot with legs, whose front is along x
         self.title = title or self.name
         self.coordinates = _coordinates_of(plant)
         self._context, self._lock = plant.CreateDefaultContext(), Lock()
@@ -511,6 +512,7 @@ def _shown_robot(robot: Robot, title: str | None, trace: tuple[str, ...]) -> Sho
     found = _parsed(sdf_text(robot), title or robot.title, trace)
     joints = [found.plant.GetJointByName(str(segment.joint)) for segment in robot.moving]
     found.joints = [joint.position_start() for joint in joints]
+    found.walks = robot.floating and len(robot.tips) > 1
     return found
 
 

@@ -113,9 +113,9 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
                 "field": view.field,
                 "axes": view.axes.T.tolist(),  # right, up, toward the camera
             }
-            for view in VIEWS.values()
+            for view in scene.views.values()
         ],
-        "targets": [scene.framing(view).target.tolist() for view in VIEWS.values()],
+        "targets": [scene.framing(view).target.tolist() for view in scene.views.values()],
         "points": np.round(scene.hull(), 6).tolist(),
         "floor": round(float(scene.floor[0, 2]), 6),
         "first": list(VIEWS).index(first.name),
@@ -135,7 +135,7 @@ def _walk_data(scene: Scene) -> dict[str, Any] | None:
     """How pages follow a robot that walks, and where they see all of its way."""
     if scene.footing is None or scene.whole is None:
         return None
-    targets = [frame(view, scene.whole).target for view in VIEWS.values()]
+    targets = [frame(view, scene.whole).target for view in scene.views.values()]
     return {
         "path": ROBOT,
         "origin": scene.footing.X_WG[:3, 3].tolist(),

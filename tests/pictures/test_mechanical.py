@@ -4,13 +4,16 @@ import math
 from dataclasses import replace
 
 import pytest
+from pydrake.systems.framework import DiagramBuilder
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
+from drake_leg.models.walker import add_walker
 from drake_leg.pictures.block_diagram import run_pictures
 from drake_leg.pictures.drawing import draw
 from drake_leg.pictures.layout import lay_out
 from drake_leg.pictures.mechanical import link_picture, mechanism_picture
+from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_A, LEG_B, ROBOTS, pendulum
 
@@ -105,3 +108,11 @@ def test_the_parts_of_a_run(run_diagram):
     assert titles("signals") == ["leg: signals"]
     assert titles("all") == ["leg: signals", "leg: mechanism, inside the plant"]
     assert titles("tibia") == ["leg: the link tibia"]
+
+
+def test_joints_with_servos_are_driven_by_torques():
+    builder = DiagramBuilder()
+    plant = add_walker(builder, HEXABOT).plant
+    joints = captions(mechanism_picture(plant, title="hexabot"), "revolute")
+    assert len(joints) == 18
+    assert all("torque of a servo" in caption for caption in joints)

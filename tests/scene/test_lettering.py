@@ -7,7 +7,16 @@ import pytest
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 from drake_leg.scene import lettering
 from drake_leg.scene.artists import Sketcher
-from drake_leg.scene.lettering import DARK, PLACEMENT, AxisNames, Words, reduced, width_of, write_on
+from drake_leg.scene.lettering import (
+    DARK,
+    PLACEMENT,
+    AxisNames,
+    Words,
+    fitted,
+    reduced,
+    width_of,
+    write_on,
+)
 from drake_leg.scene.scene import VIEWS, PlantMotion, at_rest, scene_of, triad_tips
 from drake_leg.scene.shown_plant import shown
 
@@ -171,3 +180,24 @@ def test_a_reduced_picture_has_the_means_of_squares(rng):
     image = rng.integers(0, 255, (8, 12, 3), dtype=np.uint8)
     means = image.reshape(4, 2, 6, 2, 3).mean(axis=(1, 3))
     assert np.abs(reduced(image, 2) - means).max() <= 0.5
+
+
+def test_a_line_that_is_too_long_is_broken_after_a_semicolon():
+    text = "t = 3.0 s, support margin 237 mm; squares 100 mm, as long as arrows of 10 N"
+    assert fitted(text, 20, 1000.0) == [text]
+    lines = fitted(text, 20, 400.0)
+    assert "; ".join(lines) == text
+    assert max(width_of(line, 20) for line in lines) < 480.0
+
+
+def test_the_name_of_the_world_is_a_subscript():
+    paper = np.full((60, 80, 3), 255, dtype=np.uint8)
+
+    def middle(text):
+        image = write_on(paper, [Words(text=text, x=10, y=30, size=SIZE, colour=(0.0, 0.0, 0.0))])
+        rows, columns = np.nonzero(image.sum(axis=2) < 100)
+        right = columns > columns.max() - 8
+        return rows[right].mean()
+
+    assert middle("zᵂ") > middle("z") + 2
+    assert width_of("zᵂ", SIZE) > width_of("z", SIZE) + 10

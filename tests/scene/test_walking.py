@@ -12,9 +12,10 @@ from drake_leg.kinematics.walking.gaits import Command
 from drake_leg.kinematics.walking.plan import walk_of
 from drake_leg.robot.ground import Ground, Steps
 from drake_leg.robot.hexapods import HEXABOT
+from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.walk_record import WalkRecord
 from drake_leg.scene.media import replay
-from drake_leg.scene.scene import VIEWS, motion_of, scene_of
+from drake_leg.scene.scene import VIEWS, at_rest, motion_of, scene_of
 from drake_leg.simulation.recording import Recording
 from drake_leg.simulation.run import simulate
 
@@ -122,3 +123,11 @@ def test_a_page_of_ten_seconds_is_small(motion):
     footing = replace(motion.footing, time=longer * motion.time)
     walk = replace(motion, time=longer * motion.time, footing=footing)
     assert len(replay(HEXABOT, walk).html) < 4e6
+
+
+def test_the_right_of_a_robot_that_walks_is_its_right_side(motion):
+    for scene in (scene_of(motion), scene_of(at_rest(HEXABOT))):
+        assert scene.own(VIEWS["right"]).towards == (0.0, -1.0, 0.0)
+        assert scene.own(VIEWS["front"]).towards == (1.0, 0.0, 0.0)
+        assert scene.own(VIEWS["top"]) is VIEWS["top"]
+    assert scene_of(at_rest(LEG_B)).own(VIEWS["right"]) is VIEWS["right"]
