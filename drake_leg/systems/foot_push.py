@@ -25,7 +25,8 @@ class FootPush(Block):
     ================== ==== ======== ==================================================
     port               kind size     meaning
     ================== ==== ======== ==================================================
-    ``spatial_forces`` out  abstract one force [N] in the world frame, without a moment
+    ``spatial_forces`` out  abstract one force [N] in the world frame, without a moment;
+                                     none before and after the push
     ================== ==== ======== ==================================================
 
     The integrator ends a step when the push begins, and another when it ends.
@@ -69,10 +70,14 @@ class FootPush(Block):
         return self.push.lasting / STEPS_OF_PUSH if pushing else math.inf
 
     def _calc_forces(self, context: Context, forces: AbstractValue) -> None:
+        time = value_of(context.get_time())
+        if not self.push.at < time < self.push.end:
+            forces.set_value([])
+            return
         applied = ExternallyAppliedSpatialForce_[self.scalar]()
         applied.body_index = self._body
         applied.p_BoBq_B = self._p_BoFo_B
-        force = self.push.at_time(value_of(context.get_time()))
+        force = self.push.at_time(time)
         applied.F_Bq_W = SpatialForce_[self.scalar](np.zeros(3), force)
         forces.set_value([applied])
 
