@@ -193,19 +193,18 @@ class OnCurve(Constraint):
         """Return 2."""
         return 2
 
-    def _on(self, moment: Moment) -> tuple[float, Array, Array]:
-        """Return the parameter of the nearest point, the way to it, and two normals, in the base.
+    def _on(self, moment: Moment) -> tuple[Array, Array, Array, Array]:
+        """Return the way from the curve, two normals as columns (3, 2), and both derivatives.
 
-        The normals are columns (3, 2).
+        All are those of the nearest point of the curve, in the base.
         """
         (R_WB, p_WB), (_, p_WF) = moment.pose(self._base), moment.pose(self._follower)
         point = R_WB.T @ (p_WF - p_WB)
-        s = self._curve.nearest(point)
-        first, _ = self._curve.slopes(s)
-        along = first / np.linalg.norm(first)
-        x = np.cross(np.eye(3)[np.abs(along).argmin()], along)
-        x /= np.linalg.norm(x)
-        return s, point - self._curve.point(s), np.column_stack([x, np.cross(along, x)])
+        on, first, second = self._curve.at(self._curve.nearest(point))
+        along = first / math.sqrt(float(first @ first))
+        x = cross(np.eye(3)[np.abs(along).argmin()], along)
+        x /= math.sqrt(float(x @ x))
+        return point - on, np.column_stack([x, cross(along, x)]), first, second
 
     def _seen(self, moment: Moment) -> tuple[Array, Array]:
         """Return the velocity of the follower in the base per velocity (3, nv), and its bias."""
@@ -224,28 +223,27 @@ class OnCurve(Constraint):
 
     def gap(self, moment: Moment) -> Array:
         """Return how far from the curve the point is [m]."""
-        _, apart, N = self._on(moment)
+        apart, N, _, _ = self._on(moment)
         gap: Array = N.T @ apart
         return gap
 
     def jacobian(self, moment: Moment) -> Array:
         """Return the rates across the curve per velocity of the plant, (2, nv)."""
-        J: Array = self._on(moment)[2].T @ self._seen(moment)[0]
+        J: Array = self._on(moment)[1].T @ self._seen(moment)[0]
         return J
 
     def rows(self, moment: Moment) -> tuple[Array, Array]:
         """Return J (2, nv) and c (2,); the curve bends the way of what runs along it."""
-        s, apart, N = self._on(moment)
+        apart, N, first, second = self._on(moment)
         J, bias = self._seen(moment)
         v = J @ moment.v
-        first, second = self._curve.slopes(s)
         rate = float(v @ first) / float(first @ first)
         c = N.T @ (second * rate**2 - bias - 2.0 * PULL * v - PULL**2 * apart)
         return N.T @ J, c
 
     def act(self, moment: Moment, multipliers: Array, wrenches: Wrenches) -> None:
         """Add the force on the follower, and its opposite on the base, at the point."""
-        force = moment.pose(self._base)[0] @ (self._on(moment)[2] @ multipliers)
+        force = moment.pose(self._base)[0] @ (self._on(moment)[1] @ multipliers)
         point = moment.pose(self._follower)[1]
         wrenches.add(moment, self._follower.body, point, force)
         wrenches.add(moment, self._base.body, point, -force)

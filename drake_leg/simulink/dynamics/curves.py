@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -29,30 +31,31 @@ class Curve:
                 f"{2 + closed} different points"
             )
         knots = np.concatenate([[0.0], np.cumsum(chords)])
-        self._spline = CubicSpline(knots, points, bc_type="periodic" if closed else "natural")
-        self._first, self._second = self._spline.derivative(1), self._spline.derivative(2)
+        spline = CubicSpline(knots, points, bc_type="periodic" if closed else "natural")
+        self._knots, self._pieces = knots.tolist(), [*spline.c.transpose(1, 0, 2)]
         self._closed, self.length = closed, float(knots[-1])
         self._at = np.linspace(0.0, self.length, SAMPLES * (len(points) - 1) + 1)
-        self._samples = self._spline(self._at)
+        self._samples = spline(self._at)
 
-    def point(self, s: float) -> Array:
-        """Return the point at a parameter [m]."""
-        found: Array = self._spline(s)
-        return found
-
-    def slopes(self, s: float) -> tuple[Array, Array]:
-        """Return the first and the second derivative by the parameter."""
-        return self._first(s), self._second(s)
+    def at(self, s: float) -> tuple[Array, Array, Array]:
+        """Return the point at a parameter [m], and its two derivatives by the parameter."""
+        place = min(max(bisect_right(self._knots, s) - 1, 0), len(self._pieces) - 1)
+        a, b, c, d = self._pieces[place]
+        h = s - self._knots[place]
+        return ((a * h + b) * h + c) * h + d, (3.0 * a * h + 2.0 * b) * h + c, 6.0 * a * h + 2.0 * b
 
     def nearest(self, point: Array) -> float:
         """Return the parameter of the point of the curve that is nearest to a point (3,)."""
-        s = float(self._at[((self._samples - point) ** 2).sum(axis=1).argmin()])
+        apart = self._samples - point
+        s = float(self._at[(apart * apart).sum(axis=1).argmin()])
         for _ in range(STEPS):
-            apart, (first, second) = self.point(s) - point, self.slopes(s)
-            bend = float(first @ first + apart @ second)
-            step = -float(apart @ first) / (bend if bend > 0.0 else float(first @ first))
+            on, first, second = self.at(s)
+            off = on - point
+            slope = float(first @ first)
+            bend = slope + float(off @ second)
+            step = -float(off @ first) / (bend if bend > 0.0 else slope)
             s = (s + step) % self.length if self._closed else min(max(s + step, 0.0), self.length)
-            if abs(step) < 1e-14 * self.length:
+            if abs(step) < 1e-13 * self.length:
                 break
         return s
 

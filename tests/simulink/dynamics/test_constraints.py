@@ -271,14 +271,12 @@ def test_the_nearest_point_of_a_curve_is_found(closed):
     curve = Curve(np.array(HELIX), closed=closed)
     rng = np.random.default_rng(1)
     for s in rng.uniform(0.05, 0.9 * curve.length, 10):
-        away = np.cross(curve.slopes(s)[0], rng.normal(size=3))
-        point = curve.point(s) + 0.05 * away / np.linalg.norm(away)
+        away = np.cross(curve.at(s)[1], rng.normal(size=3))
+        point = curve.at(s)[0] + 0.05 * away / np.linalg.norm(away)
         found = curve.nearest(point)
-        assert (curve.point(found) - point) @ curve.slopes(found)[0] == pytest.approx(
-            0.0, abs=1e-10
-        )
+        assert (curve.at(found)[0] - point) @ curve.at(found)[1] == pytest.approx(0.0, abs=1e-10)
         assert found == pytest.approx(s, abs=0.05)
-    start, end = curve.slopes(0.0), curve.slopes(curve.length)
+    start, end = curve.at(0.0)[1:], curve.at(curve.length)[1:]
     if closed:
         np.testing.assert_allclose(start, end, atol=1e-9)
     else:
