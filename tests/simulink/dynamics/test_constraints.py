@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.curves import Curve
+from drake_leg.simulink.dynamics.wrenches import Wrenches
 
 CONSTRAINTS = "sm_lib/Constraints/"
 
@@ -132,6 +133,17 @@ def test_accelerations_keep_constraints_and_power(tmp_path, built, rows):
     np.testing.assert_allclose((after - before) / 2e-4, 0.0, atol=1e-6)
     np.testing.assert_allclose((fast - slow) / 2e-4, 0.0, atol=1e-5)
     assert (high - low) / 2e-4 == pytest.approx(0.0, abs=1e-5 * max(abs(high), 1.0))
+
+
+@pytest.mark.parametrize(("built", "rows"), [*rigs()])
+def test_wrenches_of_constraints_do_the_work_of_their_rows(tmp_path, built, rows):
+    system = dynamics(built, tmp_path)
+    moving(system)
+    (constraint,), moment = system._acting.constraints, system._acting.moment
+    multipliers, wrenches = np.random.default_rng(5).normal(size=rows), Wrenches()
+    constraint.act(moment, multipliers, wrenches)
+    expected = multipliers @ constraint.jacobian(moment)
+    np.testing.assert_allclose(moment.generalized(wrenches.by_body), expected, atol=1e-12)
 
 
 def test_a_ball_at_a_distance_is_a_pendulum(tmp_path):
