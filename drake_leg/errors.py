@@ -79,6 +79,9 @@ class MissingNumbersError(InvalidValueError):
         )
 
 
+GIVE_A_VALUE = "give a value of "
+
+
 class UnknownValueError(InvalidValueError):
     """A value of a Simulink model that cannot be evaluated.
 
@@ -95,6 +98,32 @@ class UnknownValueError(InvalidValueError):
     ) -> None:
         self.names, self.text = tuple(names), text
         super().__init__(problem, advice=advice)
+
+
+class MissingThingsError(InvalidValueError):
+    """All that a Simulink model lacks for what is asked of it.
+
+    A value that several blocks need is asked for once.
+
+    Attributes
+    ----------
+    problems : tuple of str
+        A sentence about each.
+    """
+
+    def __init__(self, problems: Iterable[str], goal: str) -> None:
+        self.problems = tuple(problems)
+        uses: dict[str, list[str]] = {}
+        for problem in self.problems:
+            _, asked, names = problem.rpartition(GIVE_A_VALUE)
+            uses.setdefault(names if asked else problem, []).append(problem)
+        lines = [
+            first
+            + (f" ({len(others)} more need{'s' if len(others) == 1 else ''} it)" if others else "")
+            for first, *others in uses.values()
+        ]
+        several = f"{len(lines)} things are missing for {goal}"
+        super().__init__(lines[0] if len(lines) == 1 else "\n  ".join((several, *lines)))
 
 
 class OutputError(DrakeLegError):

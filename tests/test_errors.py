@@ -24,6 +24,7 @@ from drake_leg.errors import (
     JointLimitError,
     LostMotionError,
     MissingNumbersError,
+    MissingThingsError,
     OutputError,
     PictureError,
     PlaceError,
@@ -81,6 +82,7 @@ PROVOKED_ELSEWHERE = {
     TimeBudgetError: "tests/test_progress.py",
     MissingNumbersError: "tests/robot/symoro/test_as_robot.py",
     UnknownValueError: "tests/simulink/test_parameters.py",
+    MissingThingsError: "tests/simulink/running/test_running.py",
 }
 
 

@@ -26,7 +26,7 @@ class Lack:
 
 def lacks_of(model: Model) -> tuple[Lack, ...]:
     """List all that is not understood, block by block, by evaluating every value that is used."""
-    found = [lack for block in model.blocks for lack in _of_block(block)]
+    found = [lack for block in model.blocks for lack in lacks_of_block(block)]
     return (*found, *_of_values("", model.solver))
 
 
@@ -79,7 +79,8 @@ def _legible(values: Mapping[str, Value]) -> dict[str, Value]:
     return found
 
 
-def _of_block(block: Block) -> list[Lack]:
+def lacks_of_block(block: Block) -> list[Lack]:
+    """List what is not understood of a block: its kind, or values that it uses."""
     if block.unknown:
         kind = block.source or block.type
         return [Lack(sid=block.sid, parameter="", text=kind, reason=block.unknown)]

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache, partial
 
-from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.errors import GIVE_A_VALUE, InvalidValueError, UnknownValueError
 from drake_leg.simulink.catalogue import Parameter, known_parameters
 from drake_leg.simulink.diagram import DrawnBlock
 from drake_leg.simulink.matlab.numeric import MatlabError
@@ -94,7 +94,7 @@ def _not_evaluated(text: str, error: InvalidValueError) -> InvalidValueError:
     if not names:
         return InvalidValueError(f"{problem}: put the number itself there")
     listed = ", ".join(names)
-    return UnknownValueError(problem, names=names, advice=f"give a value of {listed}")
+    return UnknownValueError(problem, names=names, advice=GIVE_A_VALUE + listed)
 
 
 def _shortened(text: str) -> str:

@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, MissingThingsError
 from drake_leg.simulink.catalogue import JOINTS
 from drake_leg.simulink.mechanism import SOLIDS as OF_MASS
 from drake_leg.simulink.mechanism import Frame, PhysicalNetwork, network_of, rigid_transform
@@ -42,7 +42,6 @@ CONSTRAINTS = (
 )  # fmt: skip
 KNOWN = frozenset((*SOLIDS, *PLACES, *FORCES, *CONSTRAINTS, *JOINTS))
 STANDARD_GRAVITY: tuple[float, ...] = (0.0, 0.0, -9.80665)  # [m/s^2]
-SHOWN = 20  # in an error
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -92,15 +91,8 @@ def connections_of(model: Model) -> Connections:
 
 def refuse(problems: Sequence[str], goal: str = "a mechanism") -> None:
     """Raise all problems in one error, if there are any."""
-    if len(problems) == 1:
-        raise InvalidValueError(problems[0])
     if problems:
-        shown = list(problems[:SHOWN])
-        if len(problems) > SHOWN:
-            shown.append(f"and {len(problems) - SHOWN} more")
-        raise InvalidValueError(
-            "\n  ".join((f"{len(problems)} things are missing for {goal}", *shown))
-        )
+        raise MissingThingsError(problems, goal)
 
 
 class _Reading:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
-from drake_leg.simulink.lacks import Lack
-from drake_leg.simulink.model import split_port
+from drake_leg.simulink.lacks import Lack, lacks_of_block
+from drake_leg.simulink.model import Block, split_port
 from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.running.code import (
     CONTINUOUS,
@@ -91,9 +91,29 @@ def compile_signals(
     InvalidValueError
         That lists all that does not run: blocks, values, algebraic loops.
     """
-    nodes = _running(network)
+    job, problems = _attempt(network, ports, fixed_step)
+    refuse(problems, A_RUN)
+    job.require_shapes()
+    return job.code()
+
+
+def missing_for_run(network: SignalNetwork) -> list[str]:
+    """List all that does not run of a model's signals, whatever its mechanism is."""
+    return _attempt(network, Ports(), None)[1]
+
+
+def lacks_for_run(network: SignalNetwork) -> list[Lack]:
+    """List the values without which the signals of a model do not run."""
+    return _attempt(network, Ports(), None)[0].lacks
+
+
+def _attempt(
+    network: SignalNetwork, ports: Ports, fixed_step: float | None
+) -> tuple[_Pass, list[str]]:
+    """Write all blocks until the shapes of all signals are found, and list all that fails."""
+    nodes = {sid: (node, kind) for sid, node in network.nodes.items() if (kind := kind_of(node))}
     rates = Rates(nodes, fixed_step)
-    order = _ordered(nodes)
+    order, loops = _ordered(nodes)
     shapes: dict[str, tuple[int, ...]] = {}
     for _ in range(PASSES):
         job = _Pass(nodes, order, rates, ports, network, shapes)
@@ -101,27 +121,11 @@ def compile_signals(
         if not job.pen.wanted:
             break
         shapes |= job.pen.wanted
-    job.require_whole()
-    return job.code()
-
-
-def lacks_for_run(network: SignalNetwork) -> list[Lack]:
-    """List the values without which the signals of a model do not run."""
-    nodes = {sid: (node, kind) for sid, node in network.nodes.items() if (kind := kind_of(node))}
-    job = _Pass(nodes, list(nodes), Rates(nodes, None), Ports(), network, {})
-    job.write()
-    return job.lacks
+    return job, [*_without_kind(network), *loops, *job.problems]
 
 
 def _lack(node: Node, error: UnknownValueError) -> Lack:
     return Lack(sid=node.sid, parameter="", text=error.text, reason=str(error), names=error.names)
-
-
-def _running(network: SignalNetwork) -> dict[str, tuple[Node, Kind]]:
-    """Find the kinds of all blocks; those that do not run are one list."""
-    refuse(_without_kind(network), A_RUN)
-    found = ((sid, node, kind_of(node)) for sid, node in network.nodes.items())
-    return {sid: (node, kind) for sid, node, kind in found if kind is not None}
 
 
 def _without_kind(network: SignalNetwork) -> list[str]:
@@ -139,19 +143,15 @@ def _without_kind(network: SignalNetwork) -> list[str]:
     return list(problems)
 
 
-def missing_for_run(network: SignalNetwork) -> list[str]:
-    """List the blocks of signals that do not run, and the values without which others do not."""
-    return [*_without_kind(network), *(lack.reason for lack in lacks_for_run(network))]
+def _ordered(nodes: Mapping[str, tuple[Node, Kind]]) -> tuple[list[str], list[str]]:
+    """Order the blocks so that each comes after those whose outputs it needs at once.
 
-
-def _ordered(nodes: Mapping[str, tuple[Node, Kind]]) -> list[str]:
-    """Order the blocks so that each comes after those whose outputs it needs at once."""
-    before: dict[str, list[str]] = {}
-    for sid, (node, kind) in nodes.items():
-        needs = [node.inputs[place] for place in kind.direct(node, Settings(node.block))]
-        sources = [split_port(port)[0] for port in needs if port is not None]
-        before[sid] = [each for each in (*node.gates, *sources) if each in nodes]
+    The other list names the algebraic loops, for which there is no such order.
+    """
+    before = {sid: _needed_at_once(*found, nodes) for sid, found in nodes.items()}
     order: list[str] = []
+    loops: list[str] = []
+    looped: set[str] = set()
     state: dict[str, int] = {}  # 1 on the way, 2 done
     for first in nodes:
         if first in state:
@@ -170,13 +170,31 @@ def _ordered(nodes: Mapping[str, tuple[Node, Kind]]) -> list[str]:
                 line.append((following, iter(before[following])))
             elif state[following] == 1:
                 circle = [each for each, _ in line]
-                names = [nodes[each][0].block for each in circle[circle.index(following) :]]
-                raise InvalidValueError(
-                    "the signals form an algebraic loop: "
-                    + ", ".join(f"{block.name!r} (SID {block.sid})" for block in names[:SHOWN])
-                    + ": break it with a Memory or a Unit Delay"
-                )
-    return order
+                circle = circle[circle.index(following) :]
+                if looped.isdisjoint(circle):
+                    loops.append(_loop([nodes[each][0].block for each in circle]))
+                looped.update(circle)
+    return order, loops
+
+
+def _needed_at_once(node: Node, kind: Kind, nodes: Container[str]) -> list[str]:
+    """Find the blocks whose outputs a block needs at once."""
+    try:
+        places = tuple(kind.direct(node, Settings(node.block)))
+    except UnknownValueError:
+        places = ()  # that the value is not known is said where the block is written
+    needs = [node.inputs[place] for place in places]
+    sources = [split_port(port)[0] for port in needs if port is not None]
+    return [each for each in (*node.gates, *sources) if each in nodes]
+
+
+def _loop(blocks: Sequence[Block]) -> str:
+    """Name the blocks of an algebraic loop, and the ways out."""
+    return (
+        "the signals form an algebraic loop: "
+        + ", ".join(f"{block.name!r} (SID {block.sid})" for block in blocks[:SHOWN])
+        + ": break it with a Memory or a Unit Delay, or replace one of them"
+    )
 
 
 class _Pass:
@@ -195,15 +213,14 @@ class _Pass:
         self._gate_of: dict[str, str] = {}  # SID of a gate block -> its variable
         self._restarts: dict[str, str] = {}  # the same, of those that let states start again
         self._problems: dict[str, None] = {}
-        self.lacks: list[Lack] = []
+        self.lacks: list[Lack] = []  # values that are not known
         self._unknown: list[str] = []  # what reads signals of shapes that are not known
 
     def write(self) -> None:
         """Write all blocks; what fails is left unknown."""
         self.pen.scope |= {"y": self._ports.y, "e": self._ports.e}
         for sid, error in self._rates.unknown.items():
-            self._problems[str(error)] = None
-            self.lacks.append(_lack(self._nodes[sid][0], error))
+            self._list_unknown([_lack(self._nodes[sid][0], error)])
         self._sense(self._ports.sensed, "y")
         self._sense(self._ports.efforts, "e")
         writers: list[tuple[Writer, Kind]] = []
@@ -228,19 +245,26 @@ class _Pass:
                 writer.flush_after(rate)
         self._command()
 
-    def require_whole(self) -> None:
-        """Refuse what failed; a shape that is not known is told where nothing else is wrong."""
-        refuse(list(self._problems) or self._unknown[:1], A_RUN)
+    @property
+    def problems(self) -> list[str]:
+        """What failed, each once; what reads its outputs is not told."""
+        return list(self._problems)
+
+    def require_shapes(self) -> None:
+        """Refuse signals whose shapes are not known, where nothing else is wrong."""
+        refuse(self._unknown[:1], A_RUN)
 
     def _attempted(self, writer: Writer, work: Callable[[Writer], None]) -> bool:
         try:
             work(writer)
         except UnknownShapeError as error:
             self._unknown.append(f"{writer.about} reads {error}, whose shape is not known")
+            self._list_unknown(lacks_of_block(writer.node.block))
+        except UnknownValueError as error:
+            found = lacks_of_block(writer.node.block)
+            self._list_unknown(found or [_lack(writer.node, error)])
         except InvalidValueError as error:
             self._problems[str(error)] = None
-            if isinstance(error, UnknownValueError):
-                self.lacks.append(_lack(writer.node, error))
         except (
             ArithmeticError,
             ValueError,
@@ -253,6 +277,13 @@ class _Pass:
         else:
             return True
         return False
+
+    def _list_unknown(self, lacks: Iterable[Lack]) -> None:
+        """Note the values of a block that are not known: one that fails names all of them."""
+        for lack in lacks:
+            if lack.reason not in self._problems:
+                self._problems[lack.reason] = None
+                self.lacks.append(lack)
 
     def _sense(self, places: Mapping[str, slice], vector: str) -> None:
         """Name what the mechanism puts out."""

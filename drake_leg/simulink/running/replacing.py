@@ -76,7 +76,8 @@ def _block_of(model: Model, name: str) -> Block:
             advice="write the path of the one to replace",
         )
     (block,) = named
-    if block.source.startswith(PHYSICAL):
+    is_physical = block.unknown and any(_sid(port) == block.sid for n in model.nodes for port in n)
+    if is_physical or block.source.startswith(PHYSICAL):
         raise InvalidValueError(
             f"the block {name!r} is a {block.kind}, which is physical: only blocks of signals can "
             "be replaced"

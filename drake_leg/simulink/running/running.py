@@ -19,7 +19,7 @@ from pydrake.systems.framework import (
 )
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
-from drake_leg.errors import InvalidValueError
+from drake_leg.errors import InvalidValueError, MissingThingsError, UnknownValueError
 from drake_leg.progress import interrupts_kept
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
@@ -186,9 +186,13 @@ def runnable(
     model = replaced(model, replace or {})
     mechanism = _mechanism(model, contact)
     network = signal_network(model, mechanism.motions if mechanism else frozenset())
-    solver = _solver(model, duration)
-    fixed = solver.get("fixed step")
     ports = _ports(mechanism, None)
+    try:
+        solver = _solver(model, duration)
+    except UnknownValueError as error:
+        refuse([str(error), *missing_for_run(network)], A_RUN)
+        raise
+    fixed = solver.get("fixed step")
     _require_known(model, network, ports)
     code = compile_signals(network, ports, fixed_step=fixed)
     if mechanism is not None and ports.inputs:
@@ -256,24 +260,25 @@ def _mechanism(model: Model, contact: Contact) -> MechanismSystem | None:
         where = () if model.variables is None else model.variables.workspace.folders.all
         return mechanism_dynamics(model, contact=contact, where=where)
     except InvalidValueError as error:
-        first, *others = str(error).split("\n  ")
+        found = error.problems if isinstance(error, MissingThingsError) else (str(error),)
         lacking = missing_for_run(signal_network(model))
-        refuse([*dict.fromkeys((*(others or [first]), *lacking))], A_RUN)
-        raise
+        raise MissingThingsError(dict.fromkeys((*found, *lacking)), A_RUN) from None
 
 
 def _require_known(model: Model, network: SignalNetwork, ports: Ports) -> None:
-    """Refuse signals that other parts of Simscape would make."""
+    """Refuse signals that other parts of Simscape would make, with all else that is missing."""
     blocks = {block.sid: block for block in model.blocks}
     unknown = sorted(network.sensed - {*ports.sensed, *ports.efforts})
     found: dict[str, None] = {}
     for port in unknown:
         block = blocks[split_port(port)[0]]
-        found[
+        problem = block.unknown or (
             f"block {block.name!r} (SID {block.sid}) is a {block.kind}, whose output at "
-            f"{port.partition('#')[2]} is not computed here"
-        ] = None
-    refuse(list(found), A_RUN)
+            f"{port.partition('#')[2]} is not computed here: disconnect it"
+        )
+        found[problem] = None
+    if found:
+        refuse([*found, *missing_for_run(network)], A_RUN)
 
 
 def _commands(code: Code, ports: Ports) -> Array:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.errors import GIVE_A_VALUE, InvalidValueError, UnknownValueError
 from drake_leg.simulink.matlab.data import numbers_of
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.model import Block, Parameters
@@ -56,7 +56,8 @@ class Settings:
         except (InvalidValueError, MatlabError) as error:
             names = getattr(error, "names", ())
             problem = f"{self.about(name)} is {text[:60]!r}, which cannot be evaluated ({error})"
-            raise UnknownValueError(problem, names=names, text=text) from None
+            advice = GIVE_A_VALUE + ", ".join(names) if names else ""
+            raise UnknownValueError(problem, names=names, text=text, advice=advice) from None
 
     def matrix(self, name: str, default: str | None = None) -> NDArray[np.float64]:
         """Evaluate a parameter to an array of two dimensions."""

@@ -234,10 +234,31 @@ def test_all_that_does_not_run_is_one_list(tmp_path):
     rig.show(rig.block("S-Function", "mine", FunctionName="mine"), "mine")
     rig.show(rig.block("HitCross", "other", rig.block("Gain", "k", Gain="gain")), "y")
     rig.show(rig.block("Queue", "queue"), "queue")
+    rig.show(rig.block("Gain", "too", Gain="gain"), "too")
+    a = rig.block("Gain", "a", "", Gain="0.5")
+    rig.connect(rig.block("Gain", "b", a, Gain="0.5"), a)
+    start = rig.block("Integrator", "start", a, InitialCondition="x0")
+    rig.show(rig.block("Sin", "wave", Amplitude="swing", Frequency="speed"), "wave")
+    rig.show(rig.block("TransferFcn", "lag", start, Denominator="[1 lag]"), "lagging")
+    rig.show(rig.block("TransferFcn", "all", start, Numerator="[1 p]", Denominator="[q 1]"), "all")
     with pytest.raises(InvalidValueError) as error:
         rig.code(tmp_path)
-    assert "'mine' (SID 1) is a S-Function" in str(error.value)
-    assert "'queue'" in str(error.value)
+    said = str(error.value)
+    assert said.startswith("10 things are missing")
+    assert said.count("give a value of gain (1 more needs it)") == 1
+    assert "'mine' (SID 1) is a S-Function" in said
+    assert "'queue'" in said
+    assert "loop: 'a' (SID" in said
+    names = ("gain", "x0", "swing", "speed", "lag", "p", "q")
+    assert [name for name in names if f"give a value of {name}" not in said] == []
+
+
+def test_an_unknown_stop_time_is_in_the_list_of_all_that_is_missing(tmp_path):
+    rig = Rig()
+    rig.solver["StopTime"] = "until"
+    rig.show(rig.block("Constant", "k", Value="gain"), "k")
+    with pytest.raises(InvalidValueError, match=r"2 things[\s\S]*until[\s\S]*gain"):
+        rig.run(tmp_path, None)
 
 
 def test_a_mechanism_and_signals_lack_things_in_one_list(tmp_path):
@@ -413,3 +434,13 @@ def test_a_duration_stands_for_a_stop_time_that_is_not_known(tmp_path):
     rig = Rig(solver={"StopTime": "2*T_cg"})
     rig.show(rig.block("Clock", "t"), "t")
     assert rig.run(tmp_path, 0.1).ended == pytest.approx(0.1)
+
+
+def test_a_physical_block_of_an_unknown_library_is_no_signal_to_replace(tmp_path):
+    rig = Rig()
+    port = rig.add_library("my_lib/Interface", "interface", ports={"RConn": 1})
+    stop = rig.add_library("fl_lib/Stop", "stop", ports={"LConn": 1})
+    rig.physical(f"{port}#rconn:1", f"{stop}#lconn:1")
+    model = read_model(rig.write(tmp_path / "rig.slx"))
+    with pytest.raises(InvalidValueError, match="'interface' is a Interface, which is physical"):
+        runnable(model, replace={"interface": "constant 0"})
