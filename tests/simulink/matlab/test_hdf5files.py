@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+from campaigns import cases
 from signal_models import oscillator
 
 from drake_leg.simulink.matlab import hdf5files
@@ -198,6 +199,30 @@ def test_a_damaged_file_is_refused_in_a_sentence(written, kept):
     with pytest.raises(LackError, match=r"data\.mat is no \.mat file"):
         read_mat(path)
     assert names_of_mat(path) == set()
+
+
+@pytest.mark.slow
+def test_changed_files_are_read_or_refused(written):
+    written.array("m", np.eye(3))
+    written.text("words", "knee")
+    written.array("mass", 2.0, group=written.group("leg"))
+    written.cell("list", (2, 2), lambda n, name, group: written.array(name, n, group=group))
+    path = written.close()
+    whole, generator = path.read_bytes(), np.random.default_rng(0)
+    sentences, count = [], cases(300)
+    for _ in range(count):
+        content = bytearray(whole)
+        for _ in range(generator.integers(1, 6)):
+            content[generator.integers(512, len(content))] = generator.integers(256)
+        path.unlink()
+        path.write_bytes(content)
+        try:
+            read_mat(path)
+        except LackError as error:
+            sentences.append(str(error))
+        names_of_mat(path)
+    assert 0.1 * count < len(sentences) < 0.8 * count
+    assert not any("\n" in sentence for sentence in sentences)
 
 
 def test_without_h5py_the_extra_is_named(written, monkeypatch):
