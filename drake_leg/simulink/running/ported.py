@@ -12,9 +12,10 @@ from drake_leg.simulink.dynamics.system import MechanismSystem, mechanism_dynami
 from drake_leg.simulink.model import Block, Model, Value
 from drake_leg.simulink.running.code import Recorded
 from drake_leg.simulink.running.compiling import FUNCTIONS, Code, Ports
+from drake_leg.simulink.running.diagram import Array, ModelDiagram
 from drake_leg.simulink.running.network import SignalNetwork
 from drake_leg.simulink.running.rates import Rate
-from drake_leg.simulink.running.running import Array, ModelDiagram, ModelRun, Runnable, run_model
+from drake_leg.simulink.running.running import ModelRun, Runnable, run_model
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -25,10 +25,11 @@ from drake_leg.simulink.running import operations
 from drake_leg.simulink.running.code import NAMESPACE, Call, Recorded, literal
 from drake_leg.simulink.running.columns import labels_of
 from drake_leg.simulink.running.compiling import Code
+from drake_leg.simulink.running.diagram import Array, ModelDiagram
 from drake_leg.simulink.running.folding import WIDTH, folded
 from drake_leg.simulink.running.kinds.functions import Expression
 from drake_leg.simulink.running.replaying import position_labels
-from drake_leg.simulink.running.running import Array, ModelDiagram, Runnable
+from drake_leg.simulink.running.running import Runnable
 from drake_leg.simulink.running.settings import shape_of
 from drake_leg.simulink.wiring import physical_part
 

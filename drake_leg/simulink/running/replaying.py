@@ -10,7 +10,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import QuaternionFloatingJoint
 
 from drake_leg.simulink.running.columns import Label, unique
-from drake_leg.simulink.running.running import Array, ModelRun
+from drake_leg.simulink.running.diagram import Array
+from drake_leg.simulink.running.running import ModelRun
 
 JOINTS = "positions of joints"  # what their columns and their figure are called
 UNITS = ("rad", "m", "")  # one axes each

@@ -90,7 +90,7 @@ class Rosenbrock:
     ) -> None:
         self.t, self.x, self.steps = t, x.copy(), 0
         self._rates = rates
-        self._accuracy, self._longest, self._shortest = accuracy, longest, shortest
+        self.accuracy, self._longest, self._shortest = accuracy, longest, shortest
         self._step = FIRST * longest
         self._from, self._before = t, self.x
         self._slopes = np.zeros((len(BETWEEN), x.size))
@@ -117,7 +117,7 @@ class Rosenbrock:
                 raise StepError(f"no step keeps the accuracy at {t:g} s")
             increments = _increments(rates, t, x, h, now, jacobian, of_time)
             new = x + A[-1] @ increments[:-1] + increments[-1]
-            error = np.abs(increments[-1]) / (self._accuracy + ROUNDING * np.abs(x))
+            error = np.abs(increments[-1]) / (self.accuracy + ROUNDING * np.abs(x))
             worst = float(error.max())
             if not math.isfinite(worst):
                 self._step = LEAST * h
@@ -130,6 +130,10 @@ class Rosenbrock:
         self._slopes = BETWEEN @ increments
         self.t, self.x = (end if whole else t + h), new
         self.steps += 1
+
+    def correct(self, x: Array) -> None:
+        """Replace the states that the last step has led to."""
+        self.x = x
 
     def _linearized(self, rates: Rates, now: Array, end: float) -> tuple[Array, Array]:
         """Return the derivatives of the rates by the states, and by time."""

@@ -8,16 +8,8 @@ from dataclasses import dataclass, field
 from time import monotonic
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.systems.analysis import SimulatorConfig
-from pydrake.systems.framework import (
-    Context,
-    Diagram,
-    DiagramBuilder,
-    EventStatus,
-    TriggerType,
-)
-from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
+from pydrake.systems.framework import Context, EventStatus
 
 from drake_leg.errors import InvalidValueError, MissingThingsError, UnknownValueError
 from drake_leg.progress import interrupts_kept
@@ -32,13 +24,12 @@ from drake_leg.simulink.running.compiling import (
     compile_signals,
     missing_for_run,
 )
+from drake_leg.simulink.running.diagram import Array, ModelDiagram, rates_of
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
 from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
-from drake_leg.simulink.running.stepping import FAST, Stepper
-from drake_leg.simulink.running.system import SignalSystem
+from drake_leg.simulink.running.stepping import FAST, ROSENBROCK, Stepper
 
-Array = NDArray[np.float64]
 ACCURACY = 1e-6
 ROWS = 500  # of a recording
 STEPS = 50  # at least, of a run, as Simulink takes
@@ -47,56 +38,10 @@ SHORTEST_STEP = 1e-10  # of the duration
 MOST_CORNERS = 100_000
 # Contact is stiff, and a model that takes short steps: implicit steps as of ode15s are longer.
 STIFF, STIFF_ACCURACY = "radau3", 1e-3
+OWN_ACCURACY = 1e-5  # at most, of Rosenbrock steps: finer ones cost little
 WINDOW = 300  # steps over which the mean is taken
 CRAWLING = 3e-3  # [s]: a model of n states is stiff below a mean of this over (n + 16)
 INTERRUPTED = "interrupted"
-
-
-class ModelDiagram(Diagram):
-    """A Simulink model as a Drake diagram: ``signals``, ``mechanism``, ``scopes``.
-
-    The mechanism is left out where the model has none, and the scopes where nothing is shown.
-
-    Parameters
-    ----------
-    code : Code
-        The compiled signals.
-    mechanism : MechanismSystem, optional
-        The plant with all that acts on it.
-    ports : Ports
-        The vectors between both.
-    """
-
-    def __init__(
-        self, code: Code, mechanism: MechanismSystem | DrivenMechanism | None, ports: Ports
-    ) -> None:
-        super().__init__()
-        self.mechanism = mechanism
-        builder = DiagramBuilder()
-        sizes = {"sensed": ports.y.size, "efforts": ports.e.size}
-        commands = max((place.stop for place in ports.inputs.values()), default=0)
-        self.signals = builder.AddNamedSystem(
-            "signals", SignalSystem(code, commands=commands, **sizes)
-        )
-        if mechanism is not None:
-            builder.AddNamedSystem("mechanism", mechanism)
-            mechanism.read_at_once(code.read_at_once)
-            for name in ("sensed", "now", "efforts"):
-                if self.signals.HasInputPort(name):
-                    builder.Connect(mechanism.GetOutputPort(name), self.signals.GetInputPort(name))
-            if commands:
-                builder.Connect(self.signals.GetOutputPort("u"), mechanism.GetInputPort("u"))
-        self.scopes: VectorLogSink | None = None
-        if self.signals.HasOutputPort("scopes"):
-            self.scopes = LogVectorOutput(
-                self.signals.GetOutputPort("scopes"), builder, {TriggerType.kForced}
-            )
-        self.states: VectorLogSink | None = None
-        if mechanism is not None:
-            self.states = LogVectorOutput(
-                mechanism.GetOutputPort("state"), builder, {TriggerType.kForced}
-            )
-        builder.BuildInto(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -316,7 +261,16 @@ def run_model(
     config = _config(ready, accuracy)
     # Short steps of a fine accuracy are no sign of stiffness.
     watch = _Watch(diagram, budget, progress, may_crawl=config.accuracy >= ACCURACY)
-    stepper = _stepper(ready, context, config, watch)
+    stepper = Stepper(
+        diagram,
+        context,
+        config,
+        accuracy=accuracy or min(config.accuracy, OWN_ACCURACY),
+        shortest=SHORTEST_STEP * max(ready.solver["duration"], 1.0),
+        watch=watch,
+    )
+    if _is_stiff(ready, config):
+        _take_own_steps(ready, stepper)
     began = monotonic()
     stopped = ""
     try:
@@ -325,8 +279,9 @@ def run_model(
             duration = ready.solver["duration"]
             for time, is_row in moments(ready.code, duration, diagram.signals.base):
                 stepper.advance(time, lambda: bool(watch.stopped))
-                if watch.crawls and stepper.integrator != STIFF:
+                if watch.crawls and stepper.integrator not in (STIFF, ROSENBROCK):
                     stepper.change(STIFF)
+                    _take_own_steps(ready, stepper)
                     stepper.advance(time, lambda: bool(watch.stopped))
                 if watch.stopped:
                     break
@@ -355,18 +310,20 @@ def _config(ready: Runnable, accuracy: float | None) -> SimulatorConfig:
     )
 
 
-def _stepper(ready: Runnable, context: Context, config: SimulatorConfig, watch: _Watch) -> Stepper:
-    """Choose how the run goes from step to step."""
+def _is_stiff(ready: Runnable, config: SimulatorConfig) -> bool:
+    """Tell what is known before: bodies may touch, or signals alone are integrated, some fast."""
+    is_integrated = isinstance(ready.diagram.mechanism, MechanismSystem)
+    is_fast = ready.code.fastest * config.max_step_size > FAST and not is_integrated
+    return is_fast or config.integration_scheme == STIFF
+
+
+def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
+    """Go by Rosenbrock steps, if nothing happens between them."""
     diagram, duration = ready.diagram, ready.solver["duration"]
-    shortest = SHORTEST_STEP * max(duration, 1.0)
-    stepper = Stepper(diagram, context, config, shortest=shortest, watch=watch)
-    code, mechanism = ready.code, diagram.mechanism
-    is_fast = code.fastest * config.max_step_size > FAST
-    if is_fast and not code.stops and not isinstance(mechanism, MechanismSystem):
-        rates = diagram.signals.rates(context, mechanism.now_at if mechanism else None)
-        if rates is not None:
-            stepper.take_own_steps(rates, sorted({*corners(code, duration), duration}))
-    return stepper
+    if diagram.signals.has_events or ready.code.stops or not stepper.has_states:
+        return
+    ends = sorted({*corners(ready.code, duration), duration})
+    stepper.take_own_steps(rates_of(diagram, stepper.context), ends)
 
 
 def moments(code: Code, duration: float, base: Rate | None) -> Iterator[tuple[float, bool]]:
@@ -415,8 +372,7 @@ class _Watch:
         x = context.get_continuous_state_vector().CopyToVector()
         if not np.isfinite(x).all():
             return self._end(context, f"{_not_finite(self._diagram, context)} is not finite")
-        if isinstance(self._diagram.mechanism, MechanismSystem):
-            self._diagram.mechanism.follow(context)
+        self.follow(context)
         if self._may_crawl and self._begins_to_crawl(context.get_time(), len(x)):
             return EventStatus.ReachedTermination(self._diagram, "the model is stiff")
         signals = self._diagram.signals
@@ -431,6 +387,11 @@ class _Watch:
         if self._budget is not None and monotonic() - self._began > self._budget:
             return self._end(context, f"it took more than {self._budget:g} s")
         return EventStatus.DidNothing()
+
+    def follow(self, context: Context) -> None:
+        """Put driven axes on their motions."""
+        if self._diagram.mechanism is not None:
+            self._diagram.mechanism.follow(context)
 
     def _begins_to_crawl(self, time: float, states: int) -> bool:
         """Tell once that steps have become so short that the model is stiff."""
@@ -496,7 +457,7 @@ def _recorded(
         seconds=seconds,
         steps=stepper.steps,
         integrator=stepper.integrator,
-        accuracy=stepper.config.accuracy,
+        accuracy=stepper.accuracy,
         longest_step=stepper.config.max_step_size,
         remarks=ready.remarks,
     )

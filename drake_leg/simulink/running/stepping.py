@@ -1,14 +1,17 @@
 """How a run gets from one time to the next: by Drake's simulator, or by Rosenbrock steps.
 
-Where signals alone are integrated, some of them fast filters, an explicit integrator would take
-some steps for each of their time constants, however smooth their inputs are.
+Where something is stiff, an explicit integrator would take some steps for each of the shortest
+time constants, however smooth the motion is: contacts, dampers, fast filters. Rosenbrock steps are
+as long as the accuracy lets them be, and need fewer evaluations than Drake's implicit integrators.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from typing import Protocol
 
+import numpy as np
 from pydrake.systems.analysis import (
     ApplySimulatorConfig,
     InitializeParams,
@@ -18,7 +21,18 @@ from pydrake.systems.analysis import (
 from pydrake.systems.framework import Context, Diagram, EventStatus
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.running.rosenbrock import Rates, Rosenbrock, StepError
+from drake_leg.simulink.running.rosenbrock import Array, Rates, Rosenbrock, StepError
+
+
+class Watch(Protocol):
+    """Looks at every step."""
+
+    def __call__(self, context: Context) -> EventStatus:
+        """Look at the end of a step, which may be corrected."""
+
+    def follow(self, context: Context) -> None:
+        """Put driven axes on their motions."""
+
 
 ROSENBROCK = "rodas5p"
 FAST = 10.0  # least quotient of the longest step and the time constant of a filter
@@ -35,9 +49,11 @@ class Stepper:
         Its context, at the start.
     config : SimulatorConfig
         Drake's integrator, the accuracy and the longest step.
+    accuracy : float
+        Of Rosenbrock steps.
     shortest : float
         The shortest step [s].
-    watch : callable
+    watch : Watch
         Looks at the context after each step.
     """
 
@@ -47,11 +63,12 @@ class Stepper:
         context: Context,
         config: SimulatorConfig,
         *,
+        accuracy: float,
         shortest: float,
-        watch: Callable[[Context], EventStatus],
+        watch: Watch,
     ) -> None:
         self.config, self.context = config, context
-        self._shortest, self._watch = shortest, watch
+        self._accuracy, self._shortest, self._watch = accuracy, shortest, watch
         self._simulator = Simulator(diagram, context)
         self._simulator.set_monitor(watch)
         self._configure()
@@ -60,7 +77,7 @@ class Stepper:
         self._corners: Sequence[float] = ()
 
     def take_own_steps(self, rates: Rates, corners: Sequence[float]) -> None:
-        """Go by Rosenbrock steps.
+        """Go by Rosenbrock steps from here on.
 
         Parameters
         ----------
@@ -71,10 +88,10 @@ class Stepper:
         """
         self._corners = corners
         self._own = Rosenbrock(
-            rates,
+            tentative(rates),
             self.context.get_time(),
-            self.context.get_continuous_state_vector().CopyToVector(),
-            accuracy=self.config.accuracy,
+            self._states(),
+            accuracy=self._accuracy,
             longest=self.config.max_step_size,
             shortest=self._shortest,
         )
@@ -83,6 +100,16 @@ class Stepper:
     def integrator(self) -> str:
         """Name of the integrator: Drake's, or that of the Rosenbrock method."""
         return self.config.integration_scheme if self._own is None else ROSENBROCK
+
+    @property
+    def has_states(self) -> bool:
+        """Whether anything is integrated."""
+        return bool(self.context.num_continuous_states())
+
+    @property
+    def accuracy(self) -> float:
+        """Accuracy of the integration."""
+        return self.config.accuracy if self._own is None else self._own.accuracy
 
     @property
     def steps(self) -> int:
@@ -97,8 +124,12 @@ class Stepper:
 
     def advance(self, time: float, is_over: Callable[[], bool]) -> None:
         """Go on to a time, or to where it is over."""
-        if self._own is not None and self._advance_own(self._own, time, is_over):
-            return
+        if self._own is not None:
+            if self._advance_own(self._own, time, is_over):
+                return
+            self._own_steps += self._own.steps
+            self._own = None
+            self._restart()
         self._simulator.AdvanceTo(time)
 
     def finish_events(self) -> None:
@@ -109,7 +140,7 @@ class Stepper:
         """Go on by another integrator of Drake's."""
         self.config.integration_scheme = scheme
         self._configure()
-        self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
+        self._restart()
 
     def close(self) -> None:
         """Watch no longer."""
@@ -119,23 +150,47 @@ class Stepper:
         ApplySimulatorConfig(self.config, self._simulator)
         self._simulator.get_mutable_integrator().set_requested_minimum_step_size(self._shortest)
 
+    def _restart(self) -> None:
+        self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
+
     def _advance_own(self, own: Rosenbrock, time: float, is_over: Callable[[], bool]) -> bool:
-        """Go on by own steps; where they fail, Drake goes on from the last of them."""
-        try:
-            while own.t < time:
+        """Go on by own steps; tell whether they went well, else the last good one is in place."""
+        while own.t < time:
+            try:
                 own.step(self._corners[bisect_right(self._corners, own.t)])
-                self._put(own.t)
-                self._watch(self.context)
-                if is_over():
-                    return True
-        except (StepError, InvalidValueError, ArithmeticError, ValueError, IndexError):
-            self._put(own.t)
-            self._own, self._own_steps = None, own.steps
-            self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
-            return False
-        self._put(time)
+            except StepError:
+                self._put(own, own.t)
+                return False
+            self._put(own, own.t)
+            self._watch(self.context)  # which may put driven axes on their motions
+            own.correct(self._states())
+            if is_over():
+                return True
+        self._put(own, time)
+        if time != own.t:
+            self._watch.follow(self.context)
         return True
 
-    def _put(self, time: float) -> None:
-        assert self._own is not None
-        self.context.SetTimeAndContinuousState(time, self._own.at(time))
+    def _put(self, own: Rosenbrock, time: float) -> None:
+        self.context.SetTimeAndContinuousState(time, own.at(time))
+
+    def _states(self) -> Array:
+        states: Array = self.context.get_continuous_state_vector().CopyToVector()
+        return states
+
+
+def tentative(rates: Rates) -> Rates:
+    """Let rates that cannot be computed be no numbers, so that the step becomes shorter.
+
+    Drake ends Python where positions are not finite.
+    """
+
+    def attempted(t: float, x: Array) -> Array:
+        if np.isfinite(x).all():
+            try:
+                return rates(t, x)
+            except (RuntimeError, InvalidValueError, ArithmeticError, ValueError, IndexError):
+                pass
+        return np.full(x.size, np.nan)
+
+    return attempted

@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drake_leg.simulink.running.rosenbrock import Rosenbrock, StepError
+from drake_leg.simulink.running.stepping import tentative
 
 
 def swing(t, x):
@@ -93,3 +94,19 @@ def test_it_gives_up_at_a_pole_and_where_rates_are_no_numbers():
         solved(lambda t, x: x * x, [1.0], 2.0, 1e-6)
     with pytest.raises(StepError):
         solved(lambda t, x: np.where(t < 0.7, 1.0, np.nan) * x, [1.0], 2.0, 1e-6)
+
+
+def test_states_that_are_no_numbers_are_never_asked_for():
+    """Drake ends Python at positions that are not finite; what cannot be computed is no number."""
+
+    def rates(t, x):
+        assert np.isfinite(x).all()
+        if t > 0.5:
+            raise RuntimeError
+        return np.array([1e300 * x[0]])
+
+    solution = Rosenbrock(
+        tentative(rates), 0.0, np.array([1e200]), accuracy=1e-3, longest=1.0, shortest=1e-10
+    )
+    with pytest.raises(StepError), np.errstate(all="ignore"):
+        solution.step(1.0)
