@@ -5,7 +5,6 @@ from __future__ import annotations
 from bisect import bisect_right
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block, invalid_parameter
@@ -20,6 +19,8 @@ class Curve:
     """A cubic spline through points (n, 3) [m]; its parameter is the length of the chords."""
 
     def __init__(self, points: Array, *, closed: bool) -> None:
+        from scipy.interpolate import CubicSpline  # takes a while to load, and few models need it
+
         if closed and not np.allclose(points[0], points[-1], rtol=0.0, atol=1e-12):
             points = np.vstack([points, points[:1]])
         elif closed:

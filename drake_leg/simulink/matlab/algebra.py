@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy.integrate
 import scipy.linalg
 
 from drake_leg.simulink.matlab import numeric
@@ -203,9 +202,11 @@ def _row(function: Callable[..., Any]) -> Known:
 
 
 def _running_trapz(x: Any, y: Any = None) -> Any:
+    from scipy.integrate import cumulative_trapezoid
+
     b = numbers_of(x if y is None else y)
     places = None if y is None else numbers_of(x).ravel()
-    return settled(scipy.integrate.cumulative_trapezoid(b, places, axis=axis_of(b), initial=0.0))
+    return settled(cumulative_trapezoid(b, places, axis=axis_of(b), initial=0.0))
 
 
 def _lyap(budget: Allowance, wanted: int, a: Any, q: Any) -> Any:

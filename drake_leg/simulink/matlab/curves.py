@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from drake_leg.simulink.matlab.data import Allowance, LackError, Struct, numbers_of, settled
 from drake_leg.simulink.matlab.inputs import Known, axis_of, of_values, whole
@@ -46,6 +45,8 @@ def _pieces(breaks: Any, coefs: Any) -> Struct:
 
 
 def _spline(x: Any, y: Any, at: Any = None) -> Any:
+    from scipy.interpolate import CubicSpline  # takes a while to load, and few scripts need it
+
     a, values = _points(x, y)
     if values.size == a.size + 2:
         ends = ((1, values[0]), (1, values[-1]))
@@ -57,6 +58,8 @@ def _spline(x: Any, y: Any, at: Any = None) -> Any:
 
 
 def _pchip(x: Any, y: Any, at: Any = None) -> Any:
+    from scipy.interpolate import PchipInterpolator
+
     curve = PchipInterpolator(*_points(x, y))
     found = _pieces(curve.x, curve.c.T)
     return found if at is None else _ppval(found, at)

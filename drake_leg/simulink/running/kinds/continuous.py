@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from scipy.signal import tf2ss, zpk2tf
 
 from drake_leg.simulink.matlab.transfers import transfer_of
 from drake_leg.simulink.running.code import Operand, Writer, literal
@@ -174,6 +173,8 @@ def _linear_fraction(
 
     It starts where an input, the first of ``rest``, and an output, the second, stay as they are.
     """
+    from scipy.signal import tf2ss  # takes a while to load, and few models need it
+
     A, B, C, D = tf2ss(numerator, denominator)
     size = np.abs(C).max(initial=0.0) or 1.0
     B, C = size * B, C / size
@@ -241,6 +242,8 @@ def transfer_function(w: Writer) -> None:
 @kind("ZeroPole", finish=_linear_after, direct=_direct_linear, continuous=True)
 def zero_pole(w: Writer) -> None:
     """Filter by zeros, poles and a gain, from rest."""
+    from scipy.signal import zpk2tf
+
     get = w.settings.numbers
     numerator, denominator = zpk2tf(
         get("Zeros", "[1]"), get("Poles", "[0 -1]"), w.settings.number("Gain", "1")

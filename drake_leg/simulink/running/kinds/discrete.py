@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from scipy.signal import tf2ss
 
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind, no_inputs
@@ -149,6 +148,8 @@ def _matrices(kind_of_block: str, s: Settings) -> tuple[np.ndarray, ...]:
             np.zeros((1, 0)),
             numerator.reshape(1, 1) / denominator,
         )
+    from scipy.signal import tf2ss  # takes a while to load, and few models need it
+
     return tuple(
         tf2ss(np.trim_zeros(numerator, "f") if np.any(numerator) else numerator[:1], denominator)
     )
