@@ -394,6 +394,8 @@ def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:
     """Whether a signal comes out of a port: right ports do so, except a converter's."""
     sid, side, _ = split_port(port)
     kind = blocks[sid].kind
+    if kind in ("Ideal Force Source", "Ideal Torque Source"):
+        return False
     return kind == TO_PHYSICAL or (side == "rconn" and kind != TO_SIGNAL)
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
 from drake_leg.simulink.model import Block, Model, Parameters, split_port
+from drake_leg.simulink.running.one_dimensional import parts_in_one_dimension
 from drake_leg.simulink.wiring import flatten
 
 GATES = ("EnablePort", "TriggerPort", "ActionPort")
@@ -125,6 +126,7 @@ class _Reading:
 
     def network(self) -> SignalNetwork:
         nodes = {sid: self._node(self._blocks[sid]) for sid in self._blocks if self._has(sid)}
+        nodes |= {node.sid: node for node in self._in_one_dimension()}
         commands = {
             target: source
             for target, source in self._drivers.items()
@@ -141,6 +143,18 @@ class _Reading:
             entries=self._entries,
             folders=None if variables is None else variables.workspace.folders,
         )
+
+    def _in_one_dimension(self) -> Iterator[Node]:
+        for block, inputs, outputs in parts_in_one_dimension(
+            self._blocks, self._flat.nodes, self._drivers
+        ):
+            yield Node(
+                block=block,
+                inputs=inputs,
+                names=("",) * len(inputs),
+                outputs=outputs,
+                read=frozenset(outputs),
+            )
 
     def _has(self, sid: str) -> bool:
         block = self._blocks[sid]

@@ -10,7 +10,12 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.checking import checked_functions, located, require_supported
+from drake_leg.simulink.matlab.checking import (
+    checked_functions,
+    located,
+    means_something,
+    require_supported,
+)
 from drake_leg.simulink.matlab.compiling.beside import Beside, is_beside, keeps
 from drake_leg.simulink.matlab.compiling.machine import Machine
 from drake_leg.simulink.matlab.compiling.values import inward, outward
@@ -44,7 +49,10 @@ class CompiledFunction:
     ) -> None:
         self._main, self._parameters = functions[0], parameters
         self._machine = Machine(host, small_budget())
-        self._file = File(name=self._main.name, functions={one.name: one for one in functions})
+        # A block's own function cannot be recursive: by the name of one of MATLAB's, it calls that.
+        own = "" if means_something(self._main.name) else self._main.name
+        others = {one.name: one for one in functions[1:]}
+        self._file = File(name=self._main.name, functions={own: self._main, **others})
         self.name = name or self._main.name
         self.inputs = tuple(one for one in self._main.inputs if one not in parameters)
         self.outputs = self._main.outputs

@@ -87,6 +87,7 @@ def kinds_of_blocks() -> dict[str, Kind]:
         gates,
         logic,
         maths,
+        one_dimensional,
         physical,
         replacements,
         routing,

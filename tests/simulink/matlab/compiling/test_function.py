@@ -1,5 +1,7 @@
 """MATLAB Functions called often: what goes in and out, and what is kept."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -114,3 +116,20 @@ def test_it_is_known_whether_a_call_leaves_something(body, keeps):
 def test_what_is_refused_says_where_and_why(code, arguments, reason):
     with pytest.raises(InvalidValueError, match=reason):
         once(code, *arguments)
+
+
+def test_a_function_by_the_name_of_one_of_matlabs_calls_that():
+    """The function of a block cannot be recursive; what it keeps, it keeps."""
+    code = """function y = sin(t)
+persistent calls
+if isempty(calls)
+    calls = 0;
+end
+calls = calls + 1;
+y = sin(t) + calls;
+"""
+    function = compiled(code)
+    kept = function.start()
+    (first,) = function.call(kept, 0.5)
+    (second,) = function.call(kept, 0.5)
+    assert (first, second) == (math.sin(0.5) + 1.0, math.sin(0.5) + 2.0)
