@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import cycle
+from textwrap import fill
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -23,11 +24,12 @@ from drake_leg.simulink.running.columns import Column, SinkFigure
 FIRST, MORE = 3.4, 1.9  # [inch]: height of a figure with one axes, and of each more
 MOST_AXES, MOST_NAMED = 12, 12  # axes of a figure, and lines of axes that are named
 LONGEST = 48  # letters of a label
+LINE = 64  # letters of a title on one line
 
 
 def figure_of(name: str, time: Array, sink: SinkFigure) -> Figure:
     """Plot what a sink of a model shows over time [s]; an XY Graph, one signal over the other."""
-    title = f"{name}: {sink.title}"
+    title = fill(f"{name}: {sink.title}", LINE, break_on_hyphens=False)  # paths may be long
     return _xy_plot(title, *sink.axes) if sink.is_xy else _scope_plot(title, time, sink.axes)
 
 
