@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiscreteValues,
+    LeafSystem,
+    ValueProducer,
+)
 
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.plan import Plan
@@ -57,6 +64,8 @@ class TouchDown(LeafSystem):
         start = Footholds.planned(row.feet @ row.X_GB[:3, :3].T + row.X_GB[:3, 3])
         self.DeclareDiscreteState(start.values)
         state = {self.time_ticket(), self.xd_ticket()}
+        here = ValueProducer(lambda: AbstractValue.Make(None), self._calc_footing)
+        self._footing = self.DeclareCacheEntry("footing", here, state)
         self.DeclareVectorOutputPort("feet", 3 * n, self._calc_feet, state)
         self.DeclareVectorOutputPort("swing", 3 * n, self._calc_swing, state)
         self.DeclareVectorOutputPort("rests", n, self._calc_rests, state)
@@ -67,17 +76,21 @@ class TouchDown(LeafSystem):
     def _now(self, context: Context) -> Footholds:
         return Footholds.of(context.get_discrete_state_vector().CopyToVector())
 
-    def _footing(self, context: Context) -> Footing:
-        return footing(self._now(context), self._plan.at(context.get_time()), self._plan.step)
+    def _calc_footing(self, context: Context, found: AbstractValue) -> None:
+        row = self._plan.at(context.get_time())
+        found.set_value(footing(self._now(context), row, self._plan.step))
 
     def _calc_feet(self, context: Context, feet: BasicVector) -> None:
-        feet.SetFromVector(self._footing(context).feet.ravel())
+        here: Footing = self._footing.Eval(context)
+        feet.SetFromVector(here.feet.ravel())
 
     def _calc_swing(self, context: Context, swing: BasicVector) -> None:
-        swing.SetFromVector(self._footing(context).swing.ravel())
+        here: Footing = self._footing.Eval(context)
+        swing.SetFromVector(here.swing.ravel())
 
     def _calc_rests(self, context: Context, rests: BasicVector) -> None:
-        rests.SetFromVector(self._footing(context).rests.astype(np.float64))
+        here: Footing = self._footing.Eval(context)
+        rests.SetFromVector(here.rests.astype(np.float64))
 
     def _calc_ground(self, context: Context, ground: BasicVector) -> None:
         now = self._now(context)

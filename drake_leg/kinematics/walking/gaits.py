@@ -305,10 +305,21 @@ def smoothstep(u: Array) -> Motion:
     x = np.clip(u, 0.0, 1.0)
     inside = (u > 0.0) & (u < 1.0)
     return Motion(
-        x**3 * (10.0 + x * (6.0 * x - 15.0)),
+        risen(x),
         inside * 30.0 * x**2 * (1.0 - x) ** 2,
         inside * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x),
     )
+
+
+def risen(x: Array) -> Array:
+    """Value of ``smoothstep`` between 0 and 1."""
+    return np.asarray(x * x * x * (10.0 + x * (6.0 * x - 15.0)))
+
+
+def arched(u: Array) -> Array:
+    """Value of ``bump``."""
+    w = u * (1.0 - u)
+    return np.asarray(64.0 * w * w * w)
 
 
 def in_body(body: Motion, points: Motion) -> Motion:
@@ -333,7 +344,7 @@ def bump(u: Array) -> Motion:
     """``64 u^3 (1 - u)^3``, 1 in the middle, and its derivatives by u."""
     w = u * (1.0 - u)
     slope = 1.0 - 2.0 * u
-    return Motion(64.0 * w**3, 192.0 * w**2 * slope, 384.0 * w * (slope**2 - w))
+    return Motion(arched(u), 192.0 * w**2 * slope, 384.0 * w * (slope**2 - w))
 
 
 def _skew(w: Array) -> Array:

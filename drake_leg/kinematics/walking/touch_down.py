@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_leg.kinematics.khalil import Array
-from drake_leg.kinematics.walking.gaits import bump, smoothstep
+from drake_leg.kinematics.walking.gaits import arched, risen
 from drake_leg.kinematics.walking.plan import PlanRow
 from drake_leg.units import require_positive
 
@@ -229,8 +229,7 @@ class _Swings(NamedTuple):
 
 
 def _swings(now: Footholds, row: PlanRow, step: float) -> _Swings:
-    begin, end = row.swung[:, :, np.newaxis]
-    before, after = _off_plan(now, begin), _off_plan(now, end)
+    before, after = _off_plan(now, row.swung)
     way = step * row.swing @ row.X_GB[:3, :3].T + after - before
     return _Swings(_in_ground(row.feet, row) + before + now.pushed, way)
 
@@ -269,13 +268,12 @@ def _flies(now: Footholds, row: PlanRow) -> NDArray[np.bool_]:
 
 
 def _off_plan(now: Footholds, u: Array) -> Array:
-    """How far swinging feet are to be off their plan, (n, 3) [m], at parts u (n, 1) of a swing."""
+    """How far swinging feet are to be off their plan, (2, n, 3) [m], at parts u (2, n)."""
     start = now.places - now.left
-    share = smoothstep(u).value
-    found = (1.0 - share) * start
-    found[:, 2] += share[:, 0] * now.aims
+    share = risen(u)
+    found: Array = (1.0 - share)[..., np.newaxis] * start
     # Halfway between two heights a foot is lower than the higher one by half of their difference.
-    found[:, 2] += np.abs(now.aims - start[:, 2]) / 2.0 * bump(u).value[:, 0]
+    found[..., 2] += share * now.aims + np.abs(now.aims - start[:, 2]) / 2.0 * arched(u)
     return found
 
 
