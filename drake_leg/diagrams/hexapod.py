@@ -32,6 +32,7 @@ from pydrake.systems.primitives import (
     Demultiplexer,
     DiscreteTimeIntegrator,
     Multiplexer,
+    ZeroOrderHold,
 )
 
 from drake_leg.arguments import checked, require_fields
@@ -192,6 +193,11 @@ class HexapodConfig:
         return WalkPlan(self.walk, step=self.time_step, torques=torques)
 
     @property
+    def is_blind(self) -> bool:
+        """Whether nothing that is sensed changes the walk."""
+        return self.feedback is None and self.level is None and not self.touch_down
+
+    @property
     def search(self) -> Search:
         """How a foot feels and searches the ground."""
         weight = total_mass(self.robot) * self.gravity
@@ -252,28 +258,28 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
 
     # Wires: the body's twist to the gait. Feedback adds a block to them.
     twist, levels = command.GetOutputPort("twist"), _levels(config, builder)
-    if levels is not None:
+    sampled = None if config.is_blind else _sampler(config, builder, walker)
+    if levels is not None and sampled is not None:
         builder.Connect(twist, levels.GetInputPort("command"))
         builder.Connect(command.GetOutputPort("pose"), levels.GetInputPort("pose"))
-        builder.Connect(sensed.get_output_port(0), levels.GetInputPort("sensed"))
+        builder.Connect(sampled.get_output_port(0), levels.GetInputPort("sensed"))
         builder.Connect(levels.GetOutputPort("levelling"), gait.GetInputPort("levelling"))
         twist = levels.GetOutputPort("twist")
     builder.Connect(twist, gait.GetInputPort("twist"))
 
     # Wires: what the feet feel of the ground.
-    if config.touch_down:
+    if config.touch_down and sampled is not None:
         feel = builder.AddNamedSystem("Foot Sensor", FootSensor(config.legs, config.X_WG))
         touch = builder.AddNamedSystem("Touch-Down", TouchDown(plan, config.search, config.X_WG))
-        contact = plant.get_generalized_contact_forces_output_port(walker.instance)
-        builder.Connect(sensed.get_output_port(1), feel.GetInputPort("q"))
-        builder.Connect(contact, feel.GetInputPort("contact"))
-        builder.Connect(sensed.get_output_port(0), feel.GetInputPort("body"))
+        builder.Connect(sampled.get_output_port(1), feel.GetInputPort("q"))
+        builder.Connect(sampled.get_output_port(3), feel.GetInputPort("contact"))
+        builder.Connect(sampled.get_output_port(0), feel.GetInputPort("body"))
         builder.Connect(feel.GetOutputPort("force"), touch.GetInputPort("force"))
         builder.Connect(feel.GetOutputPort("feet"), touch.GetInputPort("felt"))
         if levels is not None:
             builder.Connect(levels.GetOutputPort("levelling"), touch.GetInputPort("levelling"))
         if config.feedback is not None:
-            builder.Connect(sensed.get_output_port(0), touch.GetInputPort("body"))
+            builder.Connect(sampled.get_output_port(0), touch.GetInputPort("body"))
         for name in ("feet", "swing", "rests"):
             builder.Connect(touch.GetOutputPort(name), gait.GetInputPort(name))
         builder.Connect(touch.GetOutputPort("ground"), command.GetInputPort("ground"))
@@ -301,6 +307,25 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
 
     _add_scopes(builder, walker, sensed, desired)
     return built(builder)
+
+
+def _sampler(config: HexapodConfig, builder: DiagramBuilder, walker: Walker) -> Demultiplexer:
+    """Add what senses pose, joint angles and contact forces at the time steps, for the blocks.
+
+    The plant makes its step first. Without samples the blocks would compare the pose at the end of
+    the step with the plan at its beginning.
+    """
+    plant, n = walker.plant, 3 * config.legs.count
+    sizes = [7, n, 6 + n, 6 + n]  # pose, angles; velocities; contact forces
+    every = builder.AddNamedSystem("Sensors", Multiplexer([13 + 2 * n, 6 + n]))
+    hold = builder.AddNamedSystem("Sampler", ZeroOrderHold(config.time_step, sum(sizes)))
+    parts = builder.AddNamedSystem("Samples", Demultiplexer(sizes))
+    contact = plant.get_generalized_contact_forces_output_port(walker.instance)
+    builder.Connect(plant.get_state_output_port(walker.instance), every.get_input_port(0))
+    builder.Connect(contact, every.get_input_port(1))
+    builder.Connect(every.get_output_port(), hold.get_input_port())
+    builder.Connect(hold.get_output_port(), parts.get_input_port())
+    return parts
 
 
 def _levels(config: HexapodConfig, builder: DiagramBuilder) -> BodyFeedback | BodyLevel | None:
@@ -341,6 +366,10 @@ def start_walking(config: HexapodConfig) -> Callable[[Diagram, Context], None]:
         for leg, q in zip(config.legs.names, config.start, strict=True):
             integrator = diagram.GetSubsystemByName(f"Integrator {leg}")
             integrator.set_integral_value(integrator.GetMyMutableContextFromRoot(context), q)
+        if not config.is_blind:
+            sampler = diagram.GetSubsystemByName("Sampler")
+            at = sampler.GetMyMutableContextFromRoot(context)
+            sampler.SetVectorState(at, sampler.get_input_port().Eval(at))
 
     return start
 
