@@ -26,7 +26,6 @@ from drake_leg.kinematics.khalil import (
 from drake_leg.kinematics.leg import (
     LegGeometry,
     MovableLeg,
-    foot_jacobian,
     inverse_kinematics,
     sigma_min,
 )
@@ -146,7 +145,15 @@ class Legs:
 
     def feet(self, q: ArrayLike) -> Array:
         """Feet p_BF (..., n, 3) [m], at joint angles (..., n, 3) [rad]."""
-        found: Array = self.joints_and_feet(q)[..., 3, :]
+        own = self._own(q)
+        l1, l2, l3 = self._lengths
+        femur, tibia = own[..., 1], own[..., 1] + own[..., 2]  # over the horizontal
+        out = l1 + l2 * np.cos(femur) + l3 * np.cos(tibia)
+        found = np.empty_like(own)
+        found[..., 0] = np.cos(own[..., 0]) * out
+        found[..., 1] = np.sin(own[..., 0]) * out
+        found[..., 2] = l2 * np.sin(femur) + l3 * np.sin(tibia)
+        found += self.hips
         return found
 
     def joints_and_feet(self, q: ArrayLike) -> Array:
@@ -165,9 +172,19 @@ class Legs:
     def jacobians(self, q: ArrayLike) -> Array:
         """``v_BF = J qdot`` of every foot by its own joints, (..., n, 3, 3) [m/rad], in B."""
         own = self._own(q)
-        return self.signs[:, np.newaxis] * np.stack(
-            [foot_jacobian(leg, own[..., i, :]) for i, leg in enumerate(self.geometries)], axis=-3
-        )
+        l1, l2, l3 = self._lengths
+        c, s = np.cos(own[..., 0]), np.sin(own[..., 0])
+        femur, tibia = own[..., 1], own[..., 1] + own[..., 2]  # over the horizontal
+        # Out and up from the ankle, and from the knee, to the foot.
+        out3, up3 = l3 * np.cos(tibia), l3 * np.sin(tibia)
+        out2, up2 = out3 + l2 * np.cos(femur), up3 + l2 * np.sin(femur)
+        out1 = l1 + out2
+        J = np.zeros((*own.shape, 3))
+        J[..., 0, 0], J[..., 1, 0] = -s * out1, c * out1
+        for column, out, up in ((1, out2, up2), (2, out3, up3)):
+            J[..., 0, column], J[..., 1, column], J[..., 2, column] = -c * up, -s * up, out
+        J *= self.signs[:, np.newaxis]
+        return J
 
     def forces(self, q: ArrayLike, torques: ArrayLike) -> Array:
         """Forces on the feet (..., n, 3) [N] in B, by the torques J^T f that they cause.
@@ -207,6 +224,12 @@ class Legs:
                     moved.formula(angles, change, rate, rate, _COSINE_AND_SINE), axis=-1
                 )
         return Motion(q, self.signs * rates, self.signs * accelerations)
+
+    @cached_property
+    def _lengths(self) -> tuple[Array, Array, Array]:
+        """Lengths of coxae, femora and tibiae, each (n,) [m]."""
+        coxa, femur, tibia = self.lengths.T.copy()
+        return coxa, femur, tibia
 
     @cached_property
     def _middles(self) -> Array:
