@@ -8,7 +8,8 @@ The signal blocks, left to right::
                                                                                        |
                                           Feed-Forward ------------------> robot with its contacts
 
-With touch-down detection, a Foot Sensor and a Touch-Down block tell the Gait where the feet stand,
+What is sensed for feedback, levelling and touch-down is sampled at the ends of time steps. With
+touch-down detection, a Foot Sensor and a Touch-Down block tell the Gait where the feet stand,
 and the Body Command how high the ground is.
 
 The servos are the plant's own: position controllers with the torque-speed line of their motors. The

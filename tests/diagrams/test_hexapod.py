@@ -134,3 +134,12 @@ def test_another_gait_walks():
     run = simulate(build(config), 2.5, start=start_walking(config), max_step=config.time_step)
     planned = config.walk.body(run.time).value[:, :3, 3]
     np.testing.assert_allclose(run.scopes["body pose"][:, 4:], planned, atol=5e-4)
+
+
+@pytest.mark.slow
+def test_feedback_compares_poses_of_the_same_instant():
+    # By a time step apart, the body would stay half a millimeter behind its plan: v h.
+    config, run = walked(3.0, feedback=2.0)
+    place = run.scopes["body pose"][:, 4:]
+    off = place - config.walk.body(run.time).value[:, :3, 3]
+    assert np.abs(off[run.time > 0.5, :2]).max() < 0.2e-3
