@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -93,7 +94,7 @@ class Acting:
 
     def require_finite(self, u: Array) -> None:
         """Refuse inputs that are not finite, as Drake ends Python at such positions."""
-        if np.isfinite(u).all():
+        if math.isfinite(u.sum()) or np.isfinite(u).all():
             return
         blocks = self.network.blocks
         names = [

@@ -7,6 +7,7 @@ as long as the accuracy lets them be, and need fewer evaluations than Drake's im
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from typing import Protocol
@@ -186,7 +187,7 @@ def tentative(rates: Rates) -> Rates:
     """
 
     def attempted(t: float, x: Array) -> Array:
-        if np.isfinite(x).all():
+        if math.isfinite(x.sum()):
             try:
                 return rates(t, x)
             except (RuntimeError, InvalidValueError, ArithmeticError, ValueError, IndexError):
