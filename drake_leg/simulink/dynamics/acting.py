@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.applied import Applied, LawOfContact
@@ -118,6 +119,14 @@ class Acting:
     def reads_places(self) -> bool:
         """Whether what is read at once is more than positions and velocities of joints."""
         return bool(self._now)
+
+    @property
+    def sensing(self) -> NDArray[np.bool_]:
+        """Which entries of what is read at once may depend on which entries of the state."""
+        found: NDArray[np.bool_] = self._linear != 0.0
+        for entries, _ in self._now:
+            found[entries] = True
+        return found
 
     def read_at_once(self, ports: frozenset[str]) -> None:
         """Say which ports are read while the mechanism moves; others are only shown."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from drake_leg.errors import InvalidValueError
@@ -81,6 +82,12 @@ class DrivenMechanism(AtPorts, LeafSystem):
         if acting.reads_places:
             acting.moment.move_to(state)
         return acting.sense_now(state)
+
+    @property
+    def sensing(self) -> NDArray[np.bool_]:
+        """Which entries of what is read at once may depend on which inputs, (m, n)."""
+        found: NDArray[np.bool_] = self._acting.sensing @ (self._T != 0.0)
+        return found
 
     def start(self, context: Context, u: Array | None = None) -> None:
         """Do nothing: it has no state."""

@@ -12,6 +12,7 @@ from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import MechanismSystem
 from drake_leg.simulink.running.compiling import Code, Ports
+from drake_leg.simulink.running.sparsity import Pattern
 from drake_leg.simulink.running.system import SignalSystem
 
 Array = NDArray[np.float64]
@@ -83,3 +84,12 @@ def rates_of(diagram: ModelDiagram, context: Context) -> Callable[[float, Array]
         return derivatives
 
     return rates
+
+
+def pattern_of(diagram: ModelDiagram) -> Pattern | None:
+    """Tell which derivatives may depend on which states; None where that is not known."""
+    mechanism = diagram.mechanism
+    if isinstance(mechanism, MechanismSystem) or diagram.signals.code.needs_efforts:
+        return None
+    found: Pattern | None = diagram.signals.pattern(mechanism.sensing if mechanism else None)
+    return found

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs
 
+from drake_leg.simulink.running.sparsity import Pattern, groups_of
+
 Array = NDArray[np.float64]
 Rates = Callable[[float, Array], Array]
 
@@ -83,15 +85,27 @@ class Rosenbrock:
         Largest error of a state in one step.
     longest, shortest : float
         Bounds of the steps [s].
+    pattern : (n, n), optional
+        Which rates, in rows, may depend on which states: all of them, if it is not given.
     """
 
     def __init__(
-        self, rates: Rates, t: float, x: Array, *, accuracy: float, longest: float, shortest: float
+        self,
+        rates: Rates,
+        t: float,
+        x: Array,
+        *,
+        accuracy: float,
+        longest: float,
+        shortest: float,
+        pattern: Pattern | None = None,
     ) -> None:
         self.t, self.x, self.steps = t, x.copy(), 0
         self._rates = rates
         self.accuracy, self._longest, self._shortest = accuracy, longest, shortest
         self._step = FIRST * longest
+        self._pattern = np.ones((x.size, x.size), bool) if pattern is None else pattern
+        self._groups = groups_of(self._pattern)
         self._from, self._before = t, self.x
         self._slopes = np.zeros((len(BETWEEN), x.size))
 
@@ -138,11 +152,13 @@ class Rosenbrock:
     def _linearized(self, rates: Rates, now: Array, end: float) -> tuple[Array, Array]:
         """Return the derivatives of the rates by the states, and by time."""
         t, x = self.t, self.x
-        jacobian = np.empty((x.size, x.size))
-        for k in range(x.size):
+        jacobian = np.zeros((x.size, x.size))
+        steps = DIFFERENCE * np.maximum(1.0, np.abs(x))
+        for group in self._groups:
             moved = x.copy()
-            moved[k] += DIFFERENCE * max(1.0, abs(x[k]))
-            jacobian[:, k] = (rates(t, moved) - now) / (moved[k] - x[k])
+            moved[group] += steps[group]
+            change = (rates(t, moved) - now)[:, np.newaxis] / (moved - x)[group]
+            jacobian[:, group] = np.where(self._pattern[:, group], change, 0.0)
         later = t + min(DIFFERENCE * max(1.0, abs(t)), 0.5 * (end - t))
         return jacobian, (rates(later, x) - now) / (later - t)
 

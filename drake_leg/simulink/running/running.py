@@ -24,7 +24,7 @@ from drake_leg.simulink.running.compiling import (
     compile_signals,
     missing_for_run,
 )
-from drake_leg.simulink.running.diagram import Array, ModelDiagram, rates_of
+from drake_leg.simulink.running.diagram import Array, ModelDiagram, pattern_of, rates_of
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
 from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
@@ -323,7 +323,7 @@ def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
     if diagram.signals.has_events or ready.code.stops or not stepper.has_states:
         return
     ends = sorted({*corners(ready.code, duration), duration})
-    stepper.take_own_steps(rates_of(diagram, stepper.context), ends)
+    stepper.take_own_steps(rates_of(diagram, stepper.context), ends, pattern_of(diagram))
 
 
 def moments(code: Code, duration: float, base: Rate | None) -> Iterator[tuple[float, bool]]:

@@ -23,6 +23,7 @@ from pydrake.systems.framework import Context, Diagram, EventStatus
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.running.rosenbrock import Array, Rates, Rosenbrock, StepError
+from drake_leg.simulink.running.sparsity import Pattern
 
 
 class Watch(Protocol):
@@ -77,7 +78,9 @@ class Stepper:
         self._own_steps = 0
         self._corners: Sequence[float] = ()
 
-    def take_own_steps(self, rates: Rates, corners: Sequence[float]) -> None:
+    def take_own_steps(
+        self, rates: Rates, corners: Sequence[float], pattern: Pattern | None = None
+    ) -> None:
         """Go by Rosenbrock steps from here on.
 
         Parameters
@@ -86,6 +89,8 @@ class Stepper:
             Derivatives of all states.
         corners : sequence of float
             Times at which they may jump, and the end, which no step goes beyond.
+        pattern : (n, n), optional
+            Which rates may depend on which states.
         """
         self._corners = corners
         self._own = Rosenbrock(
@@ -95,6 +100,7 @@ class Stepper:
             accuracy=self._accuracy,
             longest=self.config.max_step_size,
             shortest=self._shortest,
+            pattern=pattern,
         )
 
     @property

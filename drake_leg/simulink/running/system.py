@@ -23,6 +23,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.running.compiling import Code
 from drake_leg.simulink.running.rates import Rate, next_hit
 from drake_leg.simulink.running.settings import flat
+from drake_leg.simulink.running.sparsity import Marks, Pattern, dependence, source_of
 
 Array = NDArray[np.float64]
 MOST_TICKS = 1e7  # of a base rate in its longest period
@@ -160,6 +161,33 @@ class SignalSystem(LeafSystem):
             return found
 
         return rates
+
+    def pattern(self, sensing: Pattern | None) -> Pattern | None:
+        """Tell which derivatives may depend on which states; None where that is not known.
+
+        ``sensing`` says which entries of ``sensed`` depend on which commands.
+        """
+        count = self.code.x.size
+        x = [frozenset([k]) for k in range(count)]
+        y: list[frozenset[int]] = []
+        if sensing is not None and self.code.read_at_once:
+            u = self._dependence(self._commands, "commands", {"x": x})
+            if u is None:
+                return None
+            y = [frozenset().union(*(u[k] for k in np.flatnonzero(row))) for row in sensing]
+        rows = self._dependence(self._derivatives, "derivatives", {"x": x, "y": y})
+        if rows is None or len(rows) != count:
+            return None
+        found = np.zeros((count, count), dtype=bool)
+        for row, columns in enumerate(rows):
+            found[row, sorted(columns)] = True
+        return found
+
+    def _dependence(
+        self, function: Callable[..., Any], name: str, marks: Marks
+    ) -> list[frozenset[int]] | None:
+        source = source_of(function, name, self.code.source)
+        return None if source is None else dependence(source, marks)
 
     def _calc_scopes(self, context: Context, output: BasicVector) -> None:
         with np.errstate(all="ignore"):
