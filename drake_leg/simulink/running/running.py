@@ -371,7 +371,7 @@ class _Watch:
     def __call__(self, context: Context) -> EventStatus:
         x = context.get_continuous_state_vector().CopyToVector()
         if not np.isfinite(x).all():
-            return self._end(context, f"{_not_finite(self._diagram, context)} is not finite")
+            return self._end(context, _not_finite(self._diagram, context))
         self.follow(context)
         if self._may_crawl and self._begins_to_crawl(context.get_time(), len(x)):
             return EventStatus.ReachedTermination(self._diagram, "the model is stiff")
@@ -409,17 +409,25 @@ class _Watch:
 
 def _not_finite(diagram: ModelDiagram, context: Context) -> str:
     signals = diagram.signals
+    found = signals.what_is_not_finite()
+    if found:
+        return found
     x = signals.GetMyContextFromRoot(context).get_continuous_state_vector().CopyToVector()
     if np.isfinite(x).all():
-        return "a position or velocity of the mechanism"
-    return "the state of a block"
+        return "a position or velocity of the mechanism is not finite"
+    return "the state of a block is not finite"
 
 
 def _reason(error: Exception, context: Context, ready: Runnable) -> str:
     said = " ".join(str(error).split())[:300]
     at = f"at {context.get_time():.6g} s"
-    if "step size" in said.lower() or "NaN" in said or "nan" in said:
-        return f"the integrator cannot go on {at}, where its steps become too small ({said[:120]})"
+    lost = (
+        "" if isinstance(error, InvalidValueError) else ready.diagram.signals.what_is_not_finite()
+    )
+    if lost:
+        return f"{lost}, {at}"
+    if "step smaller" in said or "step size" in said.lower() or "nan" in said.lower():
+        return f"the integrator cannot go on {at}, where its steps become too small"
     return f"{said}, {at}"
 
 

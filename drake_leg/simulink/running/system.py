@@ -24,8 +24,10 @@ from drake_leg.simulink.running.compiling import Code
 from drake_leg.simulink.running.rates import Rate, next_hit
 from drake_leg.simulink.running.settings import flat
 from drake_leg.simulink.running.sparsity import Marks, Pattern, dependence, source_of
+from drake_leg.simulink.running.tracing import first_not_finite
 
 Array = NDArray[np.float64]
+MOST_LOST = 200  # evaluations that are not finite, until a later one is
 MOST_TICKS = 1e7  # of a base rate in its longest period
 
 
@@ -75,6 +77,8 @@ class SignalSystem(LeafSystem):
         self._commands, self._derivatives = functions["commands"], functions["derivatives"]
         self._record, self._major = functions["record"], functions["major"]
         self._none = np.zeros(0)
+        # Function that gives what is not finite: how many times by now, and its first arguments.
+        self._lost: dict[str, tuple[int, tuple[Any, ...]]] = {}
         self.DeclareContinuousState(BasicVector(code.x))
         self._memory = self.DeclareAbstractState(AbstractValue.Make(Memory(code.memory)))
         self._sensed = self.DeclareVectorInputPort("sensed", sensed) if sensed else None
@@ -123,7 +127,9 @@ class SignalSystem(LeafSystem):
         if self.code.needs_sensed and self._now is not None:
             sensed = self._now.Eval(context)
         with np.errstate(all="ignore"):
-            u = self._commands(*self._own(context), sensed, self._none)
+            arguments = (*self._own(context), sensed, self._none)
+            u = self._commands(*arguments)
+        self._require_finite("commands", u, arguments)
         output.SetFromVector(u)
 
     def DoCalcTimeDerivatives(self, context: Context, derivatives: ContinuousState) -> None:
@@ -131,7 +137,29 @@ class SignalSystem(LeafSystem):
         if not self.code.x.size:
             return
         with np.errstate(all="ignore"):
-            derivatives.SetFromVector(self._derivatives(*self._read(context)))
+            arguments = self._read(context)
+            found = self._derivatives(*arguments)
+        self._require_finite("derivatives", found, arguments)
+        derivatives.SetFromVector(found)
+
+    def _require_finite(self, function: str, found: Array, arguments: tuple[Any, ...]) -> None:
+        """Note what is not finite; refuse it where shorter steps do not help."""
+        before = self._lost.get(function)
+        if math.isfinite(found.sum()):
+            if before and arguments[0] > before[1][0]:  # shorter steps came past it
+                del self._lost[function]
+            return
+        self._lost[function] = (before[0] + 1, before[1]) if before else (1, arguments)
+        if self._lost[function][0] > MOST_LOST:
+            raise InvalidValueError(self.what_is_not_finite() or "a signal is not finite")
+
+    def what_is_not_finite(self) -> str:
+        """Say which block was the first to put out what is not finite, "" where none did."""
+        for function, (_, arguments) in self._lost.items():
+            block = first_not_finite(self.code, function, arguments)
+            if block:
+                return f"what the block {block!r} puts out is not finite"
+        return ""
 
     def rates(
         self, context: Context, sense: Callable[[Array], Array] | None

@@ -466,3 +466,16 @@ def test_a_physical_block_of_an_unknown_library_is_no_signal_to_replace(tmp_path
     model = read_model(rig.write(tmp_path / "rig.slx"))
     with pytest.raises(InvalidValueError, match="'interface' is a Interface, which is physical"):
         runnable(model, replace={"interface": "constant 0"})
+
+
+def test_a_run_that_is_not_finite_names_the_block_that_was_first(tmp_path):
+    rig = Rig()
+    late = rig.block("Sum", "late", rig.constant("0.5"), rig.block("Clock", "clock"), Inputs="+-")
+    limit = rig.block("MinMax", "limit", late, rig.constant("inf"), Function="min")
+    logarithm = rig.block("Math", "logarithm", limit, Operator="log")
+    rig.show(rig.block("Integrator", "integral", rig.block("Gain", "after", logarithm)), "x")
+    run = rig.run(tmp_path, 1.0, accuracy=1e-3)
+    assert run.stopped.startswith("what the block 'logarithm' puts out is not finite, at 0.")
+    assert 0.3 < run.ended < 0.51
+    assert run.time[-1] == pytest.approx(run.ended, abs=0.05)
+    assert np.isfinite(shown(run, "x")).all()
