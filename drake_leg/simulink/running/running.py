@@ -409,7 +409,7 @@ class _Watch:
 
 def _not_finite(diagram: ModelDiagram, context: Context) -> str:
     signals = diagram.signals
-    found = signals.what_is_not_finite()
+    found: str = signals.what_is_not_finite()
     if found:
         return found
     x = signals.GetMyContextFromRoot(context).get_continuous_state_vector().CopyToVector()
