@@ -10,16 +10,15 @@ import numpy as np
 import scipy.linalg
 
 from drake_leg.simulink.matlab import numeric
-from drake_leg.simulink.matlab.data import Allowance, LackError, numbers_of, settled
-from drake_leg.simulink.matlab.inputs import (
+from drake_leg.simulink.matlab.data import (
+    Allowance,
     Known,
-    axis_of,
-    matrix,
-    of_matrix,
+    LackError,
+    numbers_of,
     of_values,
-    scalar,
-    whole,
+    settled,
 )
+from drake_leg.simulink.matlab.inputs import axis_of, matrix, of_matrix, scalar, whole
 from drake_leg.simulink.matlab.numeric import MatlabError, measure
 from drake_leg.simulink.matlab.operators import combined
 

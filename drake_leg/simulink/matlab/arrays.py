@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drake_leg.simulink.matlab.data import (
     Allowance,
     Cell,
+    Known,
     LackError,
     array_of,
     boxed,
@@ -19,17 +20,10 @@ from drake_leg.simulink.matlab.data import (
     items_of,
     like,
     numbers_of,
+    of_values,
     settled,
 )
-from drake_leg.simulink.matlab.inputs import (
-    Known,
-    axis_of,
-    line_like,
-    of_values,
-    scalar,
-    sizes_of,
-    whole,
-)
+from drake_leg.simulink.matlab.inputs import axis_of, line_like, scalar, sizes_of, whole
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.operators import each, stacked
 

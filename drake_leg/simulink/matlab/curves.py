@@ -7,8 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.simulink.matlab.data import Allowance, LackError, Struct, numbers_of, settled
-from drake_leg.simulink.matlab.inputs import Known, axis_of, of_values, whole
+from drake_leg.simulink.matlab.data import (
+    Allowance,
+    Known,
+    LackError,
+    Struct,
+    numbers_of,
+    of_values,
+    settled,
+)
+from drake_leg.simulink.matlab.inputs import axis_of, whole
 from drake_leg.simulink.matlab.numeric import MatlabError
 
 # ruff: noqa: ANN401 - any value of a script

@@ -6,7 +6,7 @@ that never has one element; a text is a str.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -208,3 +208,11 @@ def like(value: Any, items: NDArray[Any]) -> Any:  # noqa: ANN401
     if isinstance(value, str):
         return "".join(chr(int(code)) for code in items.ravel(order="F"))
     return settled(items)
+
+
+Known = Callable[..., Any]  # of the budget, the count of values wanted, and the arguments
+
+
+def of_values(function: Callable[..., Any]) -> Known:
+    """Make a function that needs no budget one of the library."""
+    return lambda budget, wanted, *arguments: function(*arguments)

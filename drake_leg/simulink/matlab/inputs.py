@@ -9,17 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.simulink.matlab.data import Allowance, numbers_of, settled
+from drake_leg.simulink.matlab.data import Allowance, Known, numbers_of, settled
 from drake_leg.simulink.matlab.numeric import MatlabError, measure
 from drake_leg.simulink.matlab.operators import each
 
 # ruff: noqa: ANN401 - any value of a script
-Known = Callable[..., Any]  # of the budget, the count of values wanted, and the arguments
-
-
-def of_values(function: Callable[..., Any]) -> Known:
-    """Make a function that needs no budget one of the library."""
-    return lambda budget, wanted, *arguments: function(*arguments)
 
 
 def of_array(function: Callable[[Any], Any]) -> Known:

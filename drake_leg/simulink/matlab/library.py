@@ -11,8 +11,15 @@ from drake_leg.simulink.matlab import numeric
 from drake_leg.simulink.matlab.algebra import ALGEBRA
 from drake_leg.simulink.matlab.arrays import ARRAYS
 from drake_leg.simulink.matlab.curves import CURVES
-from drake_leg.simulink.matlab.data import Allowance, array_of, numbers_of, settled
-from drake_leg.simulink.matlab.inputs import Known, of_array, of_two, of_values, scalar, whole
+from drake_leg.simulink.matlab.data import (
+    Allowance,
+    Known,
+    array_of,
+    numbers_of,
+    of_values,
+    settled,
+)
+from drake_leg.simulink.matlab.inputs import of_array, of_two, scalar, whole
 from drake_leg.simulink.matlab.operators import EACH
 from drake_leg.simulink.matlab.records import RECORDS
 from drake_leg.simulink.matlab.rotations import ROTATIONS

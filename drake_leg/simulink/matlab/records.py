@@ -10,6 +10,7 @@ from drake_leg.simulink.matlab.data import (
     Allowance,
     Cell,
     Function,
+    Known,
     Struct,
     Structs,
     array_of,
@@ -17,9 +18,10 @@ from drake_leg.simulink.matlab.data import (
     extent,
     items_of,
     kind_of,
+    of_values,
     settled,
 )
-from drake_leg.simulink.matlab.inputs import Known, of_values, sizes_of
+from drake_leg.simulink.matlab.inputs import sizes_of
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.operators import stacked
 

@@ -16,9 +16,9 @@ from drake_leg.simulink.matlab.data import (
     array_of,
     boxed,
     numbers_of,
+    of_values,
     settled,
 )
-from drake_leg.simulink.matlab.inputs import of_values
 from drake_leg.simulink.matlab.numeric import MatlabError
 
 # ruff: noqa: ANN401 - any value of a script

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_leg.simulink.matlab.data import Allowance, Cell, LackError, boxed, numbers_of, settled
+from drake_leg.simulink.matlab.data import (
+    Allowance,
+    Cell,
+    Known,
+    LackError,
+    boxed,
+    numbers_of,
+    of_values,
+    settled,
+)
 from drake_leg.simulink.matlab.numeric import MatlabError
 
 # ruff: noqa: ANN401 - any value of a script
-Known = Callable[..., Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,11 +124,6 @@ def _tfdata(budget: Allowance, wanted: int, system: Any, *how: Any) -> Any:
     ]
     parts = tuple(rows) if "v" in how else tuple(Cell(boxed([[row]])) for row in rows)
     return parts[: max(wanted, 1)] if wanted > 1 else parts[0]
-
-
-def of_values(function: Callable[..., Any]) -> Known:
-    """Make a function that needs no budget one of the library."""
-    return lambda budget, wanted, *arguments: function(*arguments)
 
 
 TRANSFERS: dict[str, Known] = {
