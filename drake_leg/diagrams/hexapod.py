@@ -8,9 +8,9 @@ The signal blocks, left to right::
                                                                                        |
                                           Feed-Forward ------------------> robot with its contacts
 
-What is sensed for feedback, levelling and touch-down is sampled at the ends of time steps. With
-touch-down detection, a Foot Sensor and a Touch-Down block tell the Gait where the feet stand,
-and the Body Command how high the ground is.
+For feedback and levelling, the pose of the body is sampled at the time steps. With touch-down
+detection, a Foot Sensor and a Touch-Down block tell the Gait where the feet stand, and the Body
+Command how high the ground is.
 
 The servos are the plant's own: position controllers with the torque-speed line of their motors. The
 joints are driven by torques alone, and so the robot can fall.
@@ -68,6 +68,7 @@ from drake_leg.systems.touch_down import TouchDown
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
 CONTACT = "contact forces"  # scope of the generalized ones, of base and joints
+SAMPLER = "Sampler"  # of the body's pose, where it is fed back
 TOUCH_DOWNS = "touch-downs"  # scope of the states of the feet
 LONGEST_STEP = 0.02  # [s]: at 0.05 s a walk loses a tenth of its way
 GREATEST_SHARE = 0.5  # of an error that a time step may correct
@@ -194,11 +195,6 @@ class HexapodConfig:
         return WalkPlan(self.walk, step=self.time_step, torques=torques)
 
     @property
-    def is_blind(self) -> bool:
-        """Whether nothing that is sensed changes the walk."""
-        return self.feedback is None and self.level is None and not self.touch_down
-
-    @property
     def search(self) -> Search:
         """How a foot feels and searches the ground."""
         weight = total_mass(self.robot) * self.gravity
@@ -257,30 +253,33 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
     plant = walker.plant
     sensed = builder.AddNamedSystem("Body Sensor", Demultiplexer([7, 3 * n, 6, 3 * n]))
 
-    # Wires: the body's twist to the gait. Feedback adds a block to them.
+    # Wires: the body's twist to the gait. Feedback adds a block to them, and samples of the pose:
+    # the plant makes its step first, and its new pose belongs to the next row of the plan.
     twist, levels = command.GetOutputPort("twist"), _levels(config, builder)
-    sampled = None if config.is_blind else _sampler(config, builder, walker)
-    if levels is not None and sampled is not None:
+    if levels is not None:
         builder.Connect(twist, levels.GetInputPort("command"))
         builder.Connect(command.GetOutputPort("pose"), levels.GetInputPort("pose"))
-        builder.Connect(sampled.get_output_port(0), levels.GetInputPort("sensed"))
+        sampler = builder.AddNamedSystem(SAMPLER, ZeroOrderHold(config.time_step, 7))
+        builder.Connect(sensed.get_output_port(0), sampler.get_input_port())
+        builder.Connect(sampler.get_output_port(), levels.GetInputPort("sensed"))
         builder.Connect(levels.GetOutputPort("levelling"), gait.GetInputPort("levelling"))
         twist = levels.GetOutputPort("twist")
     builder.Connect(twist, gait.GetInputPort("twist"))
 
     # Wires: what the feet feel of the ground.
-    if config.touch_down and sampled is not None:
+    if config.touch_down:
         feel = builder.AddNamedSystem("Foot Sensor", FootSensor(config.legs, config.X_WG))
         touch = builder.AddNamedSystem("Touch-Down", TouchDown(plan, config.search, config.X_WG))
-        builder.Connect(sampled.get_output_port(1), feel.GetInputPort("q"))
-        builder.Connect(sampled.get_output_port(3), feel.GetInputPort("contact"))
-        builder.Connect(sampled.get_output_port(0), feel.GetInputPort("body"))
+        contact = plant.get_generalized_contact_forces_output_port(walker.instance)
+        builder.Connect(sensed.get_output_port(1), feel.GetInputPort("q"))
+        builder.Connect(contact, feel.GetInputPort("contact"))
+        builder.Connect(sensed.get_output_port(0), feel.GetInputPort("body"))
         builder.Connect(feel.GetOutputPort("force"), touch.GetInputPort("force"))
         builder.Connect(feel.GetOutputPort("feet"), touch.GetInputPort("felt"))
         if levels is not None:
             builder.Connect(levels.GetOutputPort("levelling"), touch.GetInputPort("levelling"))
         if config.feedback is not None:
-            builder.Connect(sampled.get_output_port(0), touch.GetInputPort("body"))
+            builder.Connect(sensed.get_output_port(0), touch.GetInputPort("body"))
         for name in ("feet", "swing", "rests"):
             builder.Connect(touch.GetOutputPort(name), gait.GetInputPort(name))
         builder.Connect(touch.GetOutputPort("ground"), command.GetInputPort("ground"))
@@ -308,25 +307,6 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
 
     _add_scopes(builder, walker, sensed, desired)
     return built(builder)
-
-
-def _sampler(config: HexapodConfig, builder: DiagramBuilder, walker: Walker) -> Demultiplexer:
-    """Add what senses pose, joint angles and contact forces at the time steps, for the blocks.
-
-    The plant makes its step first. Without samples the blocks would compare the pose at the end of
-    the step with the plan at its beginning.
-    """
-    plant, n = walker.plant, 3 * config.legs.count
-    sizes = [7, n, 6 + n, 6 + n]  # pose, angles; velocities; contact forces
-    every = builder.AddNamedSystem("Sensors", Multiplexer([13 + 2 * n, 6 + n]))
-    hold = builder.AddNamedSystem("Sampler", ZeroOrderHold(config.time_step, sum(sizes)))
-    parts = builder.AddNamedSystem("Samples", Demultiplexer(sizes))
-    contact = plant.get_generalized_contact_forces_output_port(walker.instance)
-    builder.Connect(plant.get_state_output_port(walker.instance), every.get_input_port(0))
-    builder.Connect(contact, every.get_input_port(1))
-    builder.Connect(every.get_output_port(), hold.get_input_port())
-    builder.Connect(hold.get_output_port(), parts.get_input_port())
-    return parts
 
 
 def _levels(config: HexapodConfig, builder: DiagramBuilder) -> BodyFeedback | BodyLevel | None:
@@ -367,8 +347,8 @@ def start_walking(config: HexapodConfig) -> Callable[[Diagram, Context], None]:
         for leg, q in zip(config.legs.names, config.start, strict=True):
             integrator = diagram.GetSubsystemByName(f"Integrator {leg}")
             integrator.set_integral_value(integrator.GetMyMutableContextFromRoot(context), q)
-        if not config.is_blind:
-            sampler = diagram.GetSubsystemByName("Sampler")
+        if diagram.HasSubsystemNamed(SAMPLER):
+            sampler = diagram.GetSubsystemByName(SAMPLER)
             at = sampler.GetMyMutableContextFromRoot(context)
             sampler.SetVectorState(at, sampler.get_input_port().Eval(at))
 
