@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import cycle
 from textwrap import fill
@@ -15,6 +16,7 @@ from drake_leg.pictures.plots.style import (
     PLOT_WIDTH,
     TIME,
     legend_above,
+    legend_columns,
     new_figure,
     whole_ticks,
     widen_flat_axis,
@@ -22,6 +24,7 @@ from drake_leg.pictures.plots.style import (
 from drake_leg.simulink.running.columns import Column, SinkFigure
 
 FIRST, MORE = 3.4, 1.9  # [inch]: height of a figure with one axes, and of each more
+NAMED_LINE = 0.19  # [inch]: height of a line of a legend
 MOST_AXES, MOST_NAMED = 12, 12  # axes of a figure, and lines of axes that are named
 LONGEST = 48  # letters of a label
 LINE = 64  # letters of a title on one line
@@ -36,7 +39,7 @@ def figure_of(name: str, time: Array, sink: SinkFigure) -> Figure:
 def _scope_plot(title: str, time: Array, axes: Sequence[Sequence[Column]]) -> Figure:
     """Plot curves over time, as many axes as a scope has ports."""
     shown = axes[:MOST_AXES]
-    height = FIRST + MORE * (len(shown) - 1)
+    height = FIRST + MORE * (len(shown) - 1) + sum(map(_legend_height, shown))
     figure, places = new_figure(title, rows=len(shown), width=PLOT_WIDTH, height=height)
     for place, curves in zip(places, shown, strict=True):
         for curve, (colour, style) in zip(curves, cycle(LINES), strict=False):
@@ -51,6 +54,14 @@ def _scope_plot(title: str, time: Array, axes: Sequence[Sequence[Column]]) -> Fi
         widen_flat_axis(place)
     places[-1].set_xlabel(TIME)
     return figure
+
+
+def _legend_height(curves: Sequence[Column]) -> float:
+    """Height of the lines of a legend above axes, beyond the first [inch]."""
+    if not 1 < len(curves) <= MOST_NAMED:
+        return 0.0
+    columns = legend_columns([_short(curve) for curve in curves])
+    return NAMED_LINE * (math.ceil(len(curves) / columns) - 1)
 
 
 def _xy_plot(title: str, x: Sequence[Column], y: Sequence[Column]) -> Figure:

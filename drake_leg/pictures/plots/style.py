@@ -166,12 +166,15 @@ def legend_above(axes: Axes, *others: Axes) -> None:
     for other in others:
         more_handles, more_labels = other.get_legend_handles_labels()
         handles, labels = handles + more_handles, labels + more_labels
-    axes.legend(
-        handles,
-        labels,
-        ncols=math.ceil(len(labels) / math.ceil(sum(len(label) + 6 for label in labels) / LONGEST)),
-        **LEGEND_ABOVE,
-    )
+    axes.legend(handles, labels, ncols=legend_columns(labels), **LEGEND_ABOVE)
+
+
+def legend_columns(labels: Sequence[str]) -> int:
+    """Count the columns of a legend that is as wide as an axes: they are as wide as its longest."""
+    widths = [len(label) + 6 for label in labels]
+    lines = math.ceil(sum(widths) / LONGEST)
+    fitting = max(1, LONGEST // max(widths, default=1))
+    return min(math.ceil(len(labels) / max(lines, 1)), fitting)
 
 
 def save(

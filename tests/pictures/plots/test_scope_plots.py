@@ -19,3 +19,24 @@ def test_a_long_path_stays_inside_the_figure():
     box = title.get_window_extent()
     assert figure.bbox.x0 <= box.x0
     assert box.x1 <= figure.bbox.x1
+
+
+def test_long_names_leave_their_axes_as_wide_as_short_ones():
+    time = np.linspace(0.0, 1.0, 5)
+
+    def width_of(length):
+        names = [f"{chr(97 + n)}{'x' * length}" for n in range(12)]
+        labels = [Label(header=n, name=n, sink="S", kind="Scope", port=1, signal=n) for n in names]
+        columns = tuple(Column(label=label, values=time) for label in labels)
+        sink = SinkFigure(file_name="scope", title="S", axes=(columns,), is_xy=False)
+        figure = figure_of("model", time, sink)
+        figure.canvas.draw()
+        (axes,) = figure.axes
+        legend = axes.get_legend().get_window_extent()
+        assert figure.bbox.x0 <= legend.x0
+        assert legend.x1 <= figure.bbox.x1
+        assert legend.y1 <= figure.bbox.y1
+        assert axes.bbox.height > 100.0
+        return axes.bbox.width
+
+    assert abs(width_of(40) - width_of(1)) < 5.0
