@@ -255,6 +255,13 @@ class Writer:
         """Return a signal as a 1-D array, a matrix by columns."""
         return self.as_vector(self.input(place))
 
+    def number(self, place: int = 0) -> Operand:
+        """Return a signal of one element as a number."""
+        found = self.numeric(place)
+        if found.size != 1:
+            raise self.fault(f"takes one number, but is given {found.size}")
+        return self._scalar(found)
+
     def as_vector(self, found: Operand) -> Operand:
         """Make a signal a 1-D array."""
         if isinstance(found.value, np.ndarray) and found.value.ndim == 1:

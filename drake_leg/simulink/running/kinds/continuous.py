@@ -13,6 +13,8 @@ from drake_leg.simulink.running.kinds.discontinuities import limit_code
 from drake_leg.simulink.running.network import Node
 from drake_leg.simulink.running.settings import Settings, Signal, shape_of, zero_like
 
+FEW = 6  # states of a linear system that are numbers: they are faster than small arrays
+
 
 def _integrator_after(w: Writer) -> None:
     u, state = w.numeric(0), w.kept["state 0"]
@@ -151,6 +153,9 @@ def _linear(
     """Write a linear system of states x: C x + D u."""
     n = A.shape[0]
     w.kept["linear"] = A, B
+    if B.shape[1] == C.shape[0] == 1 and n <= FEW:
+        _linear_of_numbers(w, A, C, D, start)
+        return
     codes = []
     if n:
         w.fades(np.linalg.eigvals(A))
@@ -161,6 +166,25 @@ def _linear(
     if np.any(D) or not n:
         codes.append(f"{w.constant(D, 'D')} @ {w.vector(0).code}")
     w.out(f"settled({' + '.join(codes)})")
+
+
+def _linear_of_numbers(
+    w: Writer, A: np.ndarray, C: np.ndarray, D: np.ndarray, start: Signal
+) -> None:
+    """Write a system of one input, one output and few states: each state is a number."""
+    n = A.shape[0]
+    w.fades(np.linalg.eigvals(A))
+    starts = np.broadcast_to(np.asarray(start, dtype=float), (n,)).tolist()
+    w.kept["numbers"] = [w.state(x, number).code for number, x in enumerate(starts)]
+    terms = [*zip(C[0], w.kept["numbers"], strict=True)]
+    if D.item():
+        terms.append((D.item(), w.number().code))
+    w.out(_sum_of(terms))
+
+
+def _sum_of(terms: Iterable[tuple[float, str]]) -> str:
+    """Write a sum of products."""
+    return " + ".join(f"{literal(factor)} * {code}" for factor, code in terms if factor) or "0.0"
 
 
 def _linear_fraction(
@@ -176,9 +200,22 @@ def _linear_fraction(
     from scipy.signal import tf2ss  # takes a while to load, and few models need it
 
     A, B, C, D = tf2ss(numerator, denominator)
-    size = np.abs(C).max(initial=0.0) or 1.0
-    B, C = size * B, C / size
+    size = _sizes(A, C)
+    A, B, C = A * size[:, np.newaxis] / size, B * size[:, np.newaxis], C / size
     _linear(w, A, B, C, D, _at_rest(A, B, C, D, *rest))
+
+
+def _sizes(A: np.ndarray, C: np.ndarray) -> np.ndarray:
+    """Scales at which the states of a companion form, each the derivative of the next, are alike.
+
+    They are divided by powers of the poles' mean size, and together are as large as the output.
+    """
+    poles = np.abs(np.linalg.eigvals(A))
+    poles = poles[poles > 0.0]
+    mean = float(np.exp(np.log(poles).mean())) if poles.size else 1.0
+    powers = mean ** np.arange(1.0 - A.shape[0], 1.0)
+    found: np.ndarray = powers * (np.abs(C[0] / powers).max() or 1.0)
+    return found
 
 
 def _at_rest(
@@ -197,7 +234,12 @@ def _at_rest(
 
 def _linear_after(w: Writer) -> None:
     A, B = w.kept["linear"]
-    if A.shape[0]:
+    if "numbers" in w.kept:
+        u = w.number().code
+        for number, (row, factor) in enumerate(zip(A, B[:, 0], strict=True)):
+            terms = [*zip(row, w.kept["numbers"], strict=True), (factor, u)]
+            w.derivative(_sum_of(terms), number)
+    elif A.shape[0]:
         w.derivative(
             f"{w.constant(A, 'A')} @ {w.kept['x']} + {w.constant(B, 'B')} @ {w.vector(0).code}"
         )
