@@ -26,6 +26,7 @@ from drake_leg.simulink.running.code import (
 )
 from drake_leg.simulink.running.kinds import Kind, kind_of
 from drake_leg.simulink.running.kinds.options import require_usual
+from drake_leg.simulink.running.motions import motion_entries
 from drake_leg.simulink.running.network import Node, SignalNetwork
 from drake_leg.simulink.running.rates import Rate, Rates
 from drake_leg.simulink.running.settings import Settings, shape_of, zero_like
@@ -70,6 +71,7 @@ class Code:
     states: tuple[str, ...]  # names
     fastest: float = 0.0  # [1/s], the reciprocal of the shortest time constant of a filter
     written: Mapping[str, Call] = field(default_factory=dict)  # constants that are no numbers
+    lagging: tuple[str, ...] = ()  # ports of signals that motions follow by a filter of their own
 
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Compile the source, which is of our own making."""
@@ -315,7 +317,10 @@ class _Pass:
             if operand is None:
                 continue
             if port in self._ports.motions:
-                self._motion(operand, source or "", place)
+                try:
+                    self.entries |= motion_entries(self.pen, operand, source or "", place)
+                except InvalidValueError as error:
+                    self._problems[str(error)] = None
             elif operand.size == width == 1:
                 code = operand.code if operand.is_scalar else f"scalar({operand.code})"
                 self.entries[place.start] = code
@@ -327,23 +332,6 @@ class _Pass:
                 self._problems[
                     f"the mechanism takes {width} numbers at {port}, but is given {operand.size}"
                 ] = None
-
-    def _motion(self, operand: Operand, source: str, place: slice) -> None:
-        dots = self.pen.dots.get(source)
-        coordinates = (place.stop - place.start) // 3
-        if dots is None:
-            self._problems[
-                f"the motion at {source} has no derivatives: set its Simulink-PS Converter to "
-                "filter its input, or provide them"
-            ] = None
-            return
-        if operand.size != coordinates:
-            self._problems[f"a motion of {coordinates} is given {operand.size} numbers"] = None
-            return
-        for order, code in enumerate((operand.code, *dots)):
-            for k in range(coordinates):
-                one = code if operand.is_scalar else f"flat({code})[{k}]"
-                self.entries[place.start + 3 * k + order] = one
 
     # --- functions ---
 
@@ -395,6 +383,7 @@ class _Pass:
             fastest=pen.fastest,
             states=tuple(state.name for state in pen.states.values()),
             written=dict(pen.written),
+            lagging=tuple(pen.lagging),
         )
 
     def _hold(self) -> dict[str, int]:

@@ -12,8 +12,9 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.catalogue import JOINTS
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import MechanismSystem
-from drake_leg.simulink.model import Model
+from drake_leg.simulink.model import Model, split_port
 from drake_leg.simulink.running.columns import Column
+from drake_leg.simulink.running.motions import FILTER
 from drake_leg.simulink.running.running import ModelRun, Runnable
 
 SETTINGS = ("Solver", "SolverType", "StartTime", "StopTime", "RelTol", "AbsTol", "MaxStep",
@@ -141,6 +142,14 @@ def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
         yield (
             "nothing is given at the model's own ports, which are 0: "
             f"{names}{more if len(ready.network.entries) > SHOWN else ''}"
+        )
+    if ready.code.lagging:
+        nodes = ready.network.nodes
+        sids = [split_port(port)[0] for port in ready.code.lagging]
+        names = ", ".join(nodes[sid].block.name if sid in nodes else "a sensor" for sid in sids)
+        yield (
+            f"nothing gives derivatives of the motions from {names}: joints follow them by a "
+            f"filter of second order with {1e3 * FILTER:g} ms"
         )
     if "fixed step" in ready.solver:
         yield (

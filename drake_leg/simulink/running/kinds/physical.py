@@ -6,10 +6,9 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.maths import function
+from drake_leg.simulink.running.motions import FILTER
 from drake_leg.simulink.running.settings import shape_of, zero_like
 from drake_leg.units import parse_unit
-
-FILTER = 0.001  # [s], Simscape's default time constant
 
 
 def _scale(w: Writer, *, inwards: bool) -> tuple[float, float]:
@@ -137,6 +136,12 @@ def product(w: Writer) -> None:
     """Multiply."""
     a, b = w.alike([w.numeric(0), w.numeric(1)])
     w.out(f"{a.code} * {b.code}")
+    of_a, of_b = (w.pen.dots.get(port or "") for port in w.node.inputs[:2])
+    if of_a and of_b:
+        w.pen.dots[w.node.outputs[0]] = (
+            f"({of_a[0]} * {b.code} + {a.code} * {of_b[0]})",
+            f"({of_a[1]} * {b.code} + 2.0 * {of_a[0]} * {of_b[0]} + {a.code} * {of_b[1]})",
+        )
 
 
 @kind("PS Divide", sample_time="")
