@@ -225,7 +225,7 @@ def test_a_pages_commands_work_one_after_the_other(page, tmp_path, monkeypatch, 
         if serves or command.endswith(VIDEOS) or "--scheduler" in words:
             continue
         if words[0] == "run" and "--out" in words:
-            words += ["--duration", "3"]
+            words += ["--duration", "8" if "--then" in words else "3"]  # beyond the changes
         if words[:2] == ["sweep", "hexapod"]:
             words += ["--duration", "0.6"]
         try:
