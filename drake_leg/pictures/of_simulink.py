@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -74,6 +74,25 @@ _INSIDE = {
 }
 _SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
 MOST_BLOCKS = 300  # in one picture; more cannot be read
+
+
+def signal_blocks(
+    model: Model,
+    blocks: Iterable[Block],
+    names: Mapping[str, str],
+    inputs: Mapping[str, Sequence[str]],
+    outputs: Mapping[str, Sequence[str]],
+) -> Iterator[DrawnBlock]:
+    """Draw blocks under their names, with their ports and their scripts."""
+    scripts = {function.sid: function.script for function in model.functions}
+    for block in blocks:
+        yield signal_block(
+            block,
+            name=names[block.sid],
+            inputs=inputs.get(block.sid, ()),
+            outputs=outputs.get(block.sid, ()),
+            script=scripts.get(block.sid, ""),
+        )
 
 
 def signal_block(
@@ -219,17 +238,7 @@ def signals_picture(
         or block.sid in outputs
     ]
     blocks.sort(key=lambda block: block.sid not in outputs)  # so that scopes are below
-    scripts = {function.sid: function.script for function in model.functions}
-    drawn = (
-        signal_block(
-            block,
-            name=names[block.sid],
-            inputs=inputs.get(block.sid, ()),
-            outputs=outputs.get(block.sid, ()),
-            script=scripts.get(block.sid, ""),
-        )
-        for block in blocks
-    )
+    drawn = signal_blocks(model, blocks, names, inputs, outputs)
     return Picture(
         title=title,
         blocks=tuple(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from drake_leg.pictures.of_simulink import signal_block
+from drake_leg.pictures.of_simulink import signal_blocks
 from drake_leg.pictures.simulink_mechanism import cut, unique_names
 from drake_leg.pictures.svg import Net, Picture
 from drake_leg.simulink.lacks import with_texts
@@ -26,19 +26,11 @@ def outline_picture(model: Model, *, title: str) -> Picture:
     place = {block.sid: number for number, block in enumerate(blocks)}
     physical = {split_port(port)[0] for source, targets, _, is_physical in lines if is_physical
                 for port in (source, *targets)}  # fmt: skip
-    scripts = {function.sid: function.script for function in model.functions}
     drawn = (
-        replace(
-            signal_block(
-                block,
-                name=names[block.sid],
-                inputs=inputs.get(block.sid, ()),
-                outputs=outputs.get(block.sid, ()),
-                script=scripts.get(block.sid, ""),
-            ),
-            physical=block.sid in physical,
+        replace(drawing, physical=block.sid in physical)
+        for block, drawing in zip(
+            blocks, signal_blocks(model, blocks, names, inputs, outputs), strict=True
         )
-        for block in blocks
     )
 
     def end(port: str, ports: Mapping[str, list[str]]) -> tuple[int, int]:

@@ -16,6 +16,11 @@ def _with(w: Writer, u: Operand, *values: Signal) -> tuple[Operand, list[str]]:
     return u, [one.code for one in limits]
 
 
+def output_after(w: Writer) -> None:
+    """Remember what was put out."""
+    w.remember(w.kept["output"])
+
+
 @kind("Saturate", "Saturation", "PS Saturation")
 def saturation(w: Writer) -> None:
     """Keep a signal between two limits."""
@@ -63,7 +68,7 @@ def dynamic_dead_zone(w: Writer) -> None:
     w.out(f"{u.code} - ({limit_code(u, low.code, up.code)})")
 
 
-@kind("Rate Limiter Dynamic", finish=lambda w: w.remember(w.kept["output"]), sampled=True)
+@kind("Rate Limiter Dynamic", finish=output_after, sampled=True)
 def dynamic_rate_limiter(w: Writer) -> None:
     """Limit the slope of a signal by two others, from sample to sample."""
     up, u, low = w.alike([w.numeric(0), w.numeric(1), w.numeric(2)])
@@ -93,11 +98,7 @@ def friction(w: Writer) -> None:
     w.out(f"{sign} * ({gain} * abs({u.code}) + {offset})")
 
 
-def _output_after(w: Writer) -> None:
-    w.remember(w.kept["output"])
-
-
-@kind("Relay", finish=_output_after)
+@kind("Relay", finish=output_after)
 def relay(w: Writer) -> None:
     """Switch on above one value, and off below another."""
     u = w.numeric()
@@ -118,7 +119,7 @@ def relay(w: Writer) -> None:
 
 
 def _with_time(w: Writer) -> None:
-    _output_after(w)
+    output_after(w)
     w.remember("t", number=1)
 
 
@@ -139,7 +140,7 @@ def rate_limiter(w: Writer) -> None:
     w.kept["output"] = w.out(f"{before.code} + {limit_code(moved, low, high)}").code
 
 
-@kind("Backlash", finish=_output_after, major=True)
+@kind("Backlash", finish=output_after, major=True)
 def backlash(w: Writer) -> None:
     """Follow a signal with play."""
     u = w.numeric()

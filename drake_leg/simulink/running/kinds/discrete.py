@@ -8,7 +8,7 @@ import numpy as np
 
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind, no_inputs
-from drake_leg.simulink.running.kinds.discontinuities import limit_code
+from drake_leg.simulink.running.kinds.discontinuities import limit_code, output_after
 from drake_leg.simulink.running.network import Node
 from drake_leg.simulink.running.settings import Settings, Signal, shape_of
 
@@ -245,11 +245,7 @@ def tapped_delay(w: Writer) -> None:
     w.out(f"array([{parts}]{'[::-1]' if newest_first else ''})")
 
 
-def _first_order_after(w: Writer) -> None:
-    w.remember(w.kept["output"])
-
-
-@kind("Transfer Fcn First Order", finish=_first_order_after, sampled=True)
+@kind("Transfer Fcn First Order", finish=output_after, sampled=True)
 def first_order(w: Writer) -> None:
     """Filter by one discrete pole, with a gain of 1 at rest."""
     u, pole = w.numeric(), w.settings.number("PoleZ", "0.95")
