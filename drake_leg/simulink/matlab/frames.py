@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.data import Struct
+from drake_leg.simulink.matlab.data import LackError, Struct
 
 Values = list[Any]
 Memory = dict[str, Any]  # persistent variables of all functions
@@ -84,6 +84,9 @@ class Host(Protocol):
     def run_beside(self, name: str, frame: Frame) -> bool:
         """Run the script of that name in a frame, if there is one."""
 
+    def run_text(self, text: str, wanted: int, frame: Frame) -> Values:
+        """Run a text as code in a frame, and return so many values of it."""
+
     def mat_file(self, frame: Frame, words: Values) -> Struct:
         """Variables of a .mat file."""
 
@@ -125,6 +128,10 @@ class Alone:
     def run_beside(self, name: str, frame: Frame) -> bool:
         """No script."""
         return False
+
+    def run_text(self, text: str, wanted: int, frame: Frame) -> Values:
+        """No text."""
+        raise LackError("a text is not run as code in a block")
 
     def mat_file(self, frame: Frame, words: Values) -> Struct:
         """No variables."""

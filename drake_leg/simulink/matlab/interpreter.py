@@ -429,7 +429,7 @@ class Interpreter:
             raise MatlabError("what is called is no function")
         inner = Frame(values={}, file=function.home or frame.file, nesting=frame.nesting + 6)
         inner.line = frame.line
-        self._descend(inner, function.name or "an anonymous function")
+        self.descend(inner, function.name or "an anonymous function")
         if function.body is None:
             return self.call(function.name, arguments, wanted, inner)
         inner.values = dict(function.seen)
@@ -441,7 +441,8 @@ class Interpreter:
         inner.values.update(zip(names, arguments, strict=False))
         return self.several(function.body, wanted, inner)
 
-    def _descend(self, frame: Frame, name: str) -> None:
+    def descend(self, frame: Frame, name: str) -> None:
+        """Refuse calls that are nested too deeply."""
         if frame.nesting > self.budget.nesting:
             raise SpentError(f"the calls of {name} are nested too deeply")
 
@@ -492,7 +493,7 @@ class Interpreter:
         """Call a function of a file."""
         nesting = caller.nesting + max(function.nesting, 3)
         frame = Frame(values={}, file=file, function=function, nesting=nesting, line=function.line)
-        self._descend(frame, function.name)
+        self.descend(frame, function.name)
         frame.kept = Kept(self.memory, file, function)
         frame.given, frame.wanted = len(arguments), wanted
         bind(self, function, arguments, frame)

@@ -217,7 +217,7 @@ _SYSTEM = (
     "save savepath setenv shell system textscan unix urlread urlwrite web webread websave winopen "
     "writecell writematrix writetable xlswrite"
 )
-_TEXTS = "eval evalc evalin inline"
+_TEXTS = "evalc inline"
 NOT_RUN: dict[str, str] = {
     **dict.fromkeys(_PICTURES.split(), "pictures are not drawn"),
     **dict.fromkeys(_MODELS.split(), "a script does not work on models here"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from drake_leg.simulink.matlab.data import (
     Cell,
     Function,
     LackError,
+    SpentError,
     StopError,
     Struct,
     extent,
@@ -148,6 +150,33 @@ def _assign_in(self: Interpreter, arguments: Values, wanted: int, frame: Frame) 
     return []
 
 
+def _eval(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``eval``: a text runs like the lines around it; a second one if the first fails."""
+    texts = [str(text) for text in arguments if isinstance(text, str)]
+    if not texts or len(texts) < len(arguments):
+        raise MatlabError("'eval' needs a text")
+    if len(texts) == 1:
+        return self.host.run_text(texts[0], wanted, frame)
+    lenient, frame.lenient = frame.lenient, False
+    try:
+        return self.host.run_text(texts[0], wanted, frame)
+    except (LackError, SpentError):
+        raise
+    except MatlabError:
+        return self.host.run_text(texts[1], wanted, frame)
+    finally:
+        frame.lenient = lenient
+
+
+def _eval_in(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``evalin``: a text runs on the variables that all scripts share."""
+    where, *texts = arguments
+    if where != "base" or not texts:
+        raise LackError("'evalin' runs a text in the base workspace only")
+    inner = replace(frame, values=self.host.base(), function=None, kept=None, ends=[], owned=set())
+    return _eval(self, texts, wanted, inner)
+
+
 def _masked(self: Interpreter, name: str) -> MaskedBlock:
     block = self.host.masked()
     if block is None:
@@ -231,6 +260,8 @@ SPECIAL: Mapping[str, Special] = {
     "pwd": _here,
     "genpath": lambda self, arguments, wanted, frame: [str(arguments[0])],
     "assignin": _assign_in,
+    "eval": _eval,
+    "evalin": _eval_in,
 }
 
 

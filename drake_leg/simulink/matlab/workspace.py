@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import ChainMap
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,10 @@ from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN
 from drake_leg.simulink.matlab.matfiles import read_mat
 from drake_leg.simulink.matlab.names import names_in
 from drake_leg.simulink.matlab.numeric import MatlabError, quiet
+from drake_leg.simulink.matlab.parser import Parser
 from drake_leg.simulink.matlab.program import parsed_expression
 from drake_leg.simulink.matlab.specials import SPECIAL
+from drake_leg.simulink.matlab.syntax import tokenize
 
 MOST_KEPT = 1_000  # lines of output, and things that are skipped
 SHARE = 0.4  # of all steps, that one script may take
@@ -285,6 +287,18 @@ class Workspace:
         finally:
             self._running.pop()
         return True
+
+    def run_text(self, text: str, wanted: int, frame: Frame) -> Values:
+        """Run a text as code in a frame; its lines count from the one that runs it."""
+        self.budget.step(len(text))
+        if wanted:
+            return self._interpreter.several(parsed_expression(text), wanted, frame)
+        parser = Parser(tokenize("\n" * (frame.line - 1) + text))
+        statements = parser.script().statements
+        inner = replace(frame, nesting=frame.nesting + max(parser.deepest, 3))
+        self._interpreter.descend(inner, "eval")
+        self._interpreter.block(statements, inner)
+        return []
 
     def mat_file(self, frame: Frame, words: Values) -> Struct:
         """Variables of a .mat file in the folders."""

@@ -10,8 +10,10 @@ import pytest
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.matlab import matfiles
+from drake_leg.simulink.matlab.compiling import compiled
 from drake_leg.simulink.matlab.data import Allowance
 from drake_leg.simulink.matlab.library import KNOWN
+from drake_leg.simulink.matlab.program import program
 from drake_leg.simulink.matlab.workspace import Workspace
 
 
@@ -223,6 +225,40 @@ def test_an_array_that_is_written_does_not_change_its_copies():
     assert found.variables["x"].tolist() == [[0, 7, 8]]
 
 
+def test_a_text_that_is_run_sets_variables_and_has_a_line():
+    found = ran(
+        "names = {'mass', 'width'};\n"
+        "for k = 1:2\n  eval(['leg.' names{k} ' = ' num2str(k + 0.5) ';']);\nend\n"
+        "area = eval('leg.width^2');\n"
+        "eval('fails(', 'mended = 1;');\n"
+        "eval('refused = 1; error(''no'')', 'mended = mended + 1;');\n"
+        "evalin('base', 'sum = leg.mass + leg.width;');"
+    )
+    assert found.evaluate("[leg.mass leg.width area mended sum]").tolist() == [
+        [1.5, 2.5, 6.25, 2, 4]
+    ]
+    assert not found.skipped
+    assert found.source["leg"] == "s.m, line 3"
+
+
+def test_a_text_in_a_function_sets_its_own_variables():
+    found = ran("y = f(2);\nfunction y = f(x)\neval('y = 3*x;');\nend")
+    assert found.variables["y"] == 6
+    assert "x" not in found.variables
+
+
+def test_a_text_that_runs_itself_ends():
+    with pytest.raises(InvalidValueError, match="the calls of eval are nested too deeply"):
+        ran("s = 'eval(s)';\neval(s)")
+
+
+def test_a_block_runs_no_text():
+    with pytest.raises(InvalidValueError, match="a text is not run as code in a block"):
+        program("function y = f(u)\ny = u;\neval('y = 2;');").call(1.0)
+    with pytest.raises(InvalidValueError, match="a text is not run as code in a block"):
+        compiled("function y = f(u)\ny = u;\neval('y = 2;');").call({}, np.array(1.0))
+
+
 # --- what is not run ----------------------------------------------------------------------------
 
 
@@ -237,7 +273,10 @@ def test_an_array_that_is_written_does_not_change_its_copies():
         ("x = input('mass? ')", "x"),
         ("save all.mat", "save"),
         ("delete('a.m')", "delete"),
-        ("eval('y = 3')", "eval"),
+        ("evalc('y = 3')", "evalc"),
+        ("eval('x = unknown_thing(3)')", "x"),
+        ("eval('x = ')", "a statement"),
+        ("y = eval('unknown_thing')", "y"),
         ("load nothing.mat", "a statement"),
         ("x = fopen('a.txt')", "x"),
         ("x = unknown_thing(3)", "x"),
