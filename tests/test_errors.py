@@ -12,6 +12,7 @@ from dataclasses import replace
 from http import HTTPStatus
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import drake_leg
@@ -55,6 +56,7 @@ from drake_leg.scene.server import RefusedError, ServerError
 from drake_leg.scene.web_page import MeshcatError, PageError
 from drake_leg.simulation import following
 from drake_leg.simulation import run as simulation_run
+from drake_leg.simulink.running.solving import UnsolvedLoopError, solved
 
 run_leg = RUNS["leg-b"].run
 run_pendulum = RUNS["pendulum"].run
@@ -169,7 +171,12 @@ def picture(monkeypatch, tmp_path):
     raise PictureError("the figure angle", KeyError("q"))
 
 
+def unsolved(monkeypatch, tmp_path):
+    solved(lambda z: z**2 + 1.0, (np.ones(1), None), "the algebraic loop of 'a'")
+
+
 PROVOKED = {
+    UnsolvedLoopError: unsolved,
     InvalidValueError: invalid,
     UnreadableFileError: unreadable,
     PictureError: picture,

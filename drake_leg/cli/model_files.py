@@ -75,12 +75,22 @@ def add_model_run_options(parser: argparse.ArgumentParser) -> None:
         "pulls (smooth) or may pull while two bodies part (pulling), or Drake's point contact "
         "(drake) (default smooth)",
     )
+    parser.add_argument(
+        "--solve-loops",
+        action="store_true",
+        help="solve the algebraic loops of a Simulink model by Newton's method at every "
+        "evaluation; without it they are refused, with their blocks",
+    )
 
 
 def refuse_model_run_options(chosen: argparse.Namespace) -> None:
     """Refuse these options where no Simulink model is named."""
     refuse_ignored(
-        {"--replace": bool(chosen.replace), "--contact": chosen.contact is not None},
+        {
+            "--replace": bool(chosen.replace),
+            "--contact": chosen.contact is not None,
+            "--solve-loops": chosen.solve_loops,
+        },
         "is for Simulink models and means nothing here",
     )
 

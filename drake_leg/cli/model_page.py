@@ -154,4 +154,6 @@ def _command(chosen: argparse.Namespace) -> str:
         value = getattr(chosen, name, None)
         if value is not None:
             words += [f"--{name}", str(value)]
+    if chosen.solve_loops:
+        words.append("--solve-loops")
     return shlex.join([*words, "--page", str(chosen.page)])

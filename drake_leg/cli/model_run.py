@@ -65,7 +65,7 @@ def run_model_file(chosen: argparse.Namespace) -> int:
         _page_of_lacks(chosen, error)
         raise
     _require_mechanism(chosen, ready)
-    require_contact(chosen, ready)
+    require_meant(chosen, ready)
     pictures = Pictures()
     with saved() as hold:
         run = _carried_out(ready, chosen.name, accuracy, hold)
@@ -142,7 +142,7 @@ def runnable_file(
         return replaced(opened(path, chosen, init), replacements)
 
     def ready_to_run(model: Model) -> Runnable:
-        return runnable(model, duration=duration, contact=contact)
+        return runnable(model, duration=duration, contact=contact, solve_loops=chosen.solve_loops)
 
     with about(path), at_work(chosen.name, "the model is read"):
         model = read()
@@ -170,11 +170,16 @@ def _require_mechanism(chosen: argparse.Namespace, ready: Runnable) -> None:
     refuse_ignored(given, "shows a mechanism, and this model has none")
 
 
-def require_contact(chosen: argparse.Namespace, ready: Runnable) -> None:
-    """Refuse a law of contact where there is no mechanism."""
+def require_meant(chosen: argparse.Namespace, ready: Runnable) -> None:
+    """Refuse a law of contact without a mechanism, and a way to solve loops without one."""
     if ready.diagram.mechanism is None:
         refuse_ignored(
             {"--contact": chosen.contact is not None}, "is for mechanisms, and this model has none"
+        )
+    if not ready.code.loops:
+        refuse_ignored(
+            {"--solve-loops": chosen.solve_loops},
+            "is for algebraic loops, and this model has none",
         )
 
 

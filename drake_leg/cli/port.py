@@ -38,7 +38,7 @@ def configure_port(parser: argparse.ArgumentParser) -> None:
 
 
 def _port(chosen: argparse.Namespace) -> int:
-    from drake_leg.cli.model_run import positive, require_contact, runnable_file
+    from drake_leg.cli.model_run import positive, require_meant, runnable_file
 
     path, out = Path(chosen.name), chosen.out
     if not is_model(path):
@@ -50,7 +50,7 @@ def _port(chosen: argparse.Namespace) -> int:
     beside = out.with_name(data_name(out.stem))
     check_file(beside, endings=(".json",), overwrite=chosen.overwrite)
     model, ready, said = runnable_file(path, chosen, duration=duration)
-    require_contact(chosen, ready)
+    require_meant(chosen, ready)
     with about(path):
         script = ported(
             model, ready, out.stem, contact=chosen.contact or "smooth", accuracy=accuracy

@@ -424,6 +424,7 @@ BUILT_IN: dict[str, Parameters] = {
     # Mathematics
     "Gain": choices(Multiplication="Element-wise(K.*u)") + numbers(Gain="1"),
     "Bias": numbers(Bias="0"),
+    "AlgebraicConstraint": choices(Constraint="f(z) = 0") + numbers(InitialGuess="0"),
     "Sum": choices(Inputs="++"),
     "Product": choices(Inputs="2", Multiplication="Element-wise(.*)"),
     "Math": choices(Operator="exp"),
@@ -479,8 +480,8 @@ BUILT_IN: dict[str, Parameters] = {
 }
 
 _NAMES = """
-Abs ActionPort AlgebraicConstraint ArithShift Assertion Assignment BitwiseOperator BusAssignment
-BusToVector Clock CombinatorialLogic ComplexToImag ConnectionLabel CustomGaugeBlock
+Abs ActionPort ArithShift Assertion Assignment BitwiseOperator BusAssignment BusToVector Clock
+CombinatorialLogic ComplexToImag ConnectionLabel CustomGaugeBlock
 DashboardScope DataTypeConversion DataTypeDuplicate DataTypePropagation DigitalClock Display
 DisplayBlock DotProduct EditField EnablePort Find FirstOrderHold FloatingScope ForEach
 ForIterator FunctionCallGenerator FunctionCallSplit GaugeBlock Ground IC If InitialCondition
@@ -521,6 +522,7 @@ _SIMULINK: dict[str, Parameters] = {
     "PID Controller": choices(Controller="PID", Form="Parallel")
     + numbers(P="1", I="1", D="0", N="100"),
     "Wrap To Zero": (),
+    "Algebraic Constraint": numbers(z0="0"),
     "Compare To Constant": choices(relop="<=", const="3"),
     "Compare To Zero": choices(relop="<="),
 }

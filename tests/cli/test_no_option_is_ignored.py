@@ -49,7 +49,7 @@ ALWAYS = {
     "sdf": {"--toml", "--par", "--out"},
     "check": {"--printed", "--json"},
     "port": {"--path", "--init", "--variant", "--set", "--replace", "--duration", "--accuracy",
-             "--out", "--overwrite", "--contact"},
+             "--out", "--overwrite", "--contact", "--solve-loops"},
     "inspect": {"--blocks", "--json", "--path", "--init", "--variant"},
     "compare": OF_RUNS | {"--path", "--init", "--variant", "--json", "--strict", "--frequency",
                           "--direction", "--gain"},
@@ -109,7 +109,7 @@ MEANINGLESS = [
     *(
         ("run", f"leg-b {option}", "is for Simulink models and means nothing here")
         for option in ("--path .", "--init a.m", "--variant A=B", "--contact smooth",
-                       "--replace A=b.csv", "--page a.html")
+                       "--solve-loops", "--replace A=b.csv", "--page a.html")
     ),
     ("run", f"{MODEL} --config a.yaml", "means nothing to a Simulink model"),
     ("run", f"{MODEL} --amplitude 0.05", "means nothing to a Simulink model"),
@@ -192,7 +192,7 @@ def named_options(command):
 
 
 # A run that is refused is a row of its sweep.
-OF_MODELS = {"--path", "--init", "--variant", "--contact", "--replace", "--page"}
+OF_MODELS = {"--path", "--init", "--variant", "--contact", "--solve-loops", "--replace", "--page"}
 ALWAYS["sweep"] = named_options("run") - OF_MODELS | ALWAYS["run"] - {
     "--figures", "--replay", "--stills", "--video",
 } | {

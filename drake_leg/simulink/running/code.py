@@ -78,6 +78,16 @@ class Section:
         self.makes = frozenset(n.id for n in names if isinstance(n.ctx, ast.Store))
         self.reads = frozenset(n.id for n in names if isinstance(n.ctx, ast.Load))
 
+    @property
+    def parts(self) -> Sequence[Section]:
+        """Return the sections inside, which is itself."""
+        return (self,)
+
+    @property
+    def lasts(self) -> bool:
+        """Whether what it makes is not computed always."""
+        return self.rate != CONTINUOUS or bool(self.gates)
+
 
 @dataclass(kw_only=True)
 class State:
@@ -121,6 +131,7 @@ class Pen:
         self,
         shapes: Mapping[str, tuple[int, ...]] | None = None,
         folders: Folders | None = None,
+        guesses: Mapping[str, Signal] | None = None,
     ) -> None:
         self.folders = folders  # where functions lie in files
         self.sections: list[Section] = []
@@ -137,6 +148,9 @@ class Pen:
         self.dots: dict[str, tuple[str, str]] = {}  # port -> first and second derivative
         self.shapes = dict(shapes or {})  # of states, by the SID of their block and number
         self.wanted: dict[str, tuple[int, ...]] = {}
+        self.guesses = dict(guesses or {})  # of unknowns of algebraic loops, by port
+        self.better: dict[str, Signal] = {}  # guesses for another pass
+        self.residuals: dict[str, Operand] = {}  # what Algebraic Constraints keep at 0, by port
         self.resets = False
         self.open: set[str] = set()  # the model's own ports, where nothing is given
         self.gates_of: dict[str, tuple[str, ...]] = {}  # port -> what lets it run
@@ -147,6 +161,11 @@ class Pen:
         self.scope |= {"y": np.zeros(0), "e": np.zeros(0)}
         self._names: set[str] = {*NAMESPACE, *GIVEN, *dir(builtins)}
         self._names |= {"u", "dx", "r", "hits", "step", "after"}
+
+    @property
+    def parts(self) -> list[Section]:
+        """Return all sections, those within algebraic loops for the loops."""
+        return [part for section in self.sections for part in section.parts]
 
     # --- names and values ---
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,8 +11,8 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.lacks import Lack, lacks_of_block
-from drake_leg.simulink.model import Block, split_port
 from drake_leg.simulink.multibody.connections import refuse
+from drake_leg.simulink.running.assembling import names_read, of_events, of_present
 from drake_leg.simulink.running.code import (
     CONTINUOUS,
     MAJOR,
@@ -22,17 +23,17 @@ from drake_leg.simulink.running.code import (
     Section,
     UnknownShapeError,
     Writer,
-    needed,
 )
 from drake_leg.simulink.running.kinds import Kind, kind_of
 from drake_leg.simulink.running.kinds.options import require_usual
+from drake_leg.simulink.running.loops import closed, opened, widened
 from drake_leg.simulink.running.motions import motion_entries
 from drake_leg.simulink.running.network import Node, SignalNetwork
+from drake_leg.simulink.running.ordering import AlgebraicLoop, ordered
 from drake_leg.simulink.running.rates import Rate, Rates
-from drake_leg.simulink.running.settings import Settings, shape_of, zero_like
+from drake_leg.simulink.running.settings import Signal, shape_of, zero_like
 
-PASSES = 9
-SHOWN = 20  # blocks of a loop in an error
+PASSES = 12
 A_RUN = "a run"
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -72,6 +73,7 @@ class Code:
     fastest: float = 0.0  # [1/s], the reciprocal of the shortest time constant of a filter
     written: Mapping[str, Call] = field(default_factory=dict)  # constants that are no numbers
     lagging: tuple[str, ...] = ()  # ports of signals that motions follow by a filter of their own
+    loops: tuple[AlgebraicLoop, ...] = ()  # those that are solved
 
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Compile the source, which is of our own making."""
@@ -84,45 +86,61 @@ FUNCTIONS = ("commands", "derivatives", "record", "major")
 
 
 def compile_signals(
-    network: SignalNetwork, ports: Ports, *, fixed_step: float | None = None
+    network: SignalNetwork,
+    ports: Ports,
+    *,
+    fixed_step: float | None = None,
+    solve_loops: bool = False,
 ) -> Code:
     """Write the code of a network of signals.
+
+    Algebraic loops are solved if ``solve_loops`` says so, or where one of their blocks asks for it.
 
     Raises
     ------
     InvalidValueError
         That lists all that does not run: blocks, values, algebraic loops.
     """
-    job, problems = _attempt(network, ports, fixed_step)
+    job, problems = _attempt(network, ports, fixed_step, solve_loops)
     refuse(problems, A_RUN)
     job.require_shapes()
     return job.code()
 
 
-def missing_for_run(network: SignalNetwork) -> list[str]:
+def missing_for_run(network: SignalNetwork, *, solve_loops: bool = False) -> list[str]:
     """List all that does not run of a model's signals, whatever its mechanism is."""
-    return _attempt(network, Ports(), None)[1]
+    return _attempt(network, Ports(), None, solve_loops)[1]
 
 
 def lacks_for_run(network: SignalNetwork) -> list[Lack]:
     """List the values without which the signals of a model do not run."""
-    return _attempt(network, Ports(), None)[0].lacks
+    return _attempt(network, Ports(), None, False)[0].lacks
 
 
 def _attempt(
-    network: SignalNetwork, ports: Ports, fixed_step: float | None
+    network: SignalNetwork, ports: Ports, fixed_step: float | None, solve_loops: bool
 ) -> tuple[_Pass, list[str]]:
     """Write all blocks until the shapes of all signals are found, and list all that fails."""
     nodes = {sid: (node, kind) for sid, node in network.nodes.items() if (kind := kind_of(node))}
     rates = Rates(nodes, fixed_step)
-    order, loops = _ordered(nodes)
+    order = ordered(nodes)
+    refused = [
+        each
+        for each in order
+        if isinstance(each, AlgebraicLoop)
+        and not (each.is_open and (solve_loops or each.is_constrained))
+    ]
     shapes: dict[str, tuple[int, ...]] = {}
+    guesses: dict[str, Signal] = {}
+    widenings: Counter[AlgebraicLoop] = Counter()
     for _ in range(PASSES):
-        job = _Pass(nodes, order, rates, ports, network, shapes)
-        job.write()
-        if not job.pen.wanted:
+        job = _Pass(nodes, order, rates, ports, network, Pen(shapes, network.folders, guesses))
+        job.write(refused, widenings)
+        if not (job.pen.wanted or job.pen.better):
             break
         shapes |= job.pen.wanted
+        guesses |= job.pen.better
+    loops = [loop.refusal for loop in refused]
     return job, [*_without_kind(network), *loops, *job.problems]
 
 
@@ -145,71 +163,19 @@ def _without_kind(network: SignalNetwork) -> list[str]:
     return list(problems)
 
 
-def _ordered(nodes: Mapping[str, tuple[Node, Kind]]) -> tuple[list[str], list[str]]:
-    """Order the blocks so that each comes after those whose outputs it needs at once.
-
-    The other list names the algebraic loops, for which there is no such order.
-    """
-    before = {sid: _needed_at_once(*found, nodes) for sid, found in nodes.items()}
-    order: list[str] = []
-    loops: list[str] = []
-    looped: set[str] = set()
-    state: dict[str, int] = {}  # 1 on the way, 2 done
-    for first in nodes:
-        if first in state:
-            continue
-        state[first] = 1
-        line = [(first, iter(before[first]))]
-        while line:
-            sid, rest = line[-1]
-            following = next(rest, None)
-            if following is None:
-                state[sid] = 2
-                order.append(sid)
-                line.pop()
-            elif following not in state:
-                state[following] = 1
-                line.append((following, iter(before[following])))
-            elif state[following] == 1:
-                circle = [each for each, _ in line]
-                circle = circle[circle.index(following) :]
-                if looped.isdisjoint(circle):
-                    loops.append(_loop([nodes[each][0].block for each in circle]))
-                looped.update(circle)
-    return order, loops
-
-
-def _needed_at_once(node: Node, kind: Kind, nodes: Container[str]) -> list[str]:
-    """Find the blocks whose outputs a block needs at once."""
-    try:
-        places = tuple(kind.direct(node, Settings(node.block)))
-    except UnknownValueError:
-        places = ()  # that the value is not known is said where the block is written
-    needs = [node.inputs[place] for place in places]
-    sources = [split_port(port)[0] for port in needs if port is not None]
-    return [each for each in (*node.gates, *sources) if each in nodes]
-
-
-def _loop(blocks: Sequence[Block]) -> str:
-    """Name the blocks of an algebraic loop, and the ways out."""
-    return (
-        "the signals form an algebraic loop: "
-        + ", ".join(f"{block.name!r} (SID {block.sid})" for block in blocks[:SHOWN])
-        + ": break it with a Memory or a Unit Delay, or replace one of them"
-    )
-
-
 class _Pass:
     def __init__(
         self,
         nodes: Mapping[str, tuple[Node, Kind]],
-        order: Sequence[str],
+        order: Sequence[str | AlgebraicLoop],
         rates: Rates,
         ports: Ports,
         network: SignalNetwork,
-        shapes: Mapping[str, tuple[int, ...]],
+        pen: Pen,
     ) -> None:
-        self.pen = Pen(shapes, network.folders)
+        self.pen = pen
+        self._writers: list[tuple[Writer, Kind]] = []
+        self.loops: list[AlgebraicLoop] = []  # those that are solved
         self._nodes, self._order, self._rates = nodes, order, rates
         self._ports, self._network = ports, network
         self._gate_of: dict[str, str] = {}  # SID of a gate block -> its variable
@@ -218,34 +184,65 @@ class _Pass:
         self.lacks: list[Lack] = []  # values that are not known
         self._unknown: list[str] = []  # what reads signals of shapes that are not known
 
-    def write(self) -> None:
-        """Write all blocks; what fails is left unknown."""
+    def write(self, refused: Container[AlgebraicLoop], widenings: Counter[AlgebraicLoop]) -> None:
+        """Write all blocks; what fails is left unknown.
+
+        ``refused`` are the loops that are not solved; ``widenings`` counts the other shapes that
+        were tried for the unknowns of one that is.
+        """
         self.pen.scope |= {"y": self._ports.y, "e": self._ports.e}
         for sid, error in self._rates.unknown.items():
             self._list_unknown([_lack(self._nodes[sid][0], error)])
         self._sense(self._ports.sensed, "y")
         self._sense(self._ports.efforts, "e")
-        writers: list[tuple[Writer, Kind]] = []
-        for sid in self._order:
-            node, kind = self._nodes[sid]
-            gates = tuple(self._gate_of[gate] for gate in node.gates if gate in self._gate_of)
-            writer = Writer(self.pen, node, self._rates.of(sid), gates)
-            writer.period = self._rates.period(sid)
-            restarts = [self._restarts[gate] for gate in node.gates if gate in self._restarts]
-            writer.restart = " or ".join(restarts)
-            if self._attempted(writer, require_usual) and self._attempted(writer, kind.write):
-                writers.append((writer, kind))
-            writer.flush()
-            if "gate" in writer.kept:
-                self._gate_of[sid] = writer.kept["gate"]
-            if "restarts" in writer.kept:
-                self._restarts[sid] = writer.kept["restarts"]
-        for writer, kind in writers:
+        for step in self._order:
+            if isinstance(step, str):
+                self._write_block(step)
+            elif step in refused:
+                for sid in step.order:
+                    self._write_block(sid)
+            else:
+                self._write_loop(step, widenings)
+        for writer, kind in self._writers:
             if kind.finish is not None:
                 self._attempted(writer, kind.finish)
                 rate = writer.rate if writer.rate != CONTINUOUS else MAJOR
                 writer.flush_after(rate)
         self._command()
+
+    def _write_block(self, sid: str) -> bool:
+        """Write the outputs of a block; tell whether it runs."""
+        node, kind = self._nodes[sid]
+        gates = tuple(self._gate_of[gate] for gate in node.gates if gate in self._gate_of)
+        writer = Writer(self.pen, node, self._rates.of(sid), gates)
+        writer.period = self._rates.period(sid)
+        restarts = [self._restarts[gate] for gate in node.gates if gate in self._restarts]
+        writer.restart = " or ".join(restarts)
+        runs = self._attempted(writer, require_usual) and self._attempted(writer, kind.write)
+        if runs:
+            self._writers.append((writer, kind))
+        writer.flush()
+        if "gate" in writer.kept:
+            self._gate_of[sid] = writer.kept["gate"]
+        if "restarts" in writer.kept:
+            self._restarts[sid] = writer.kept["restarts"]
+        return runs
+
+    def _write_loop(self, loop: AlgebraicLoop, widenings: Counter[AlgebraicLoop]) -> None:
+        """Write an algebraic loop; its blocks become one section, if they all run."""
+        first = len(self.pen.sections)
+        try:
+            unknowns = opened(self.pen, loop)
+        except InvalidValueError as error:
+            self._problems[str(error)] = None
+            return
+        runs = [self._write_block(sid) for sid in loop.order]
+        if all(runs):
+            parts = self.pen.sections[first:]
+            self.pen.sections[first:] = [closed(self.pen, loop, unknowns, parts)]
+            self.loops.append(loop)
+        elif widened(self.pen, self._network, loop, widenings[loop]):
+            widenings[loop] += 1
 
     @property
     def problems(self) -> list[str]:
@@ -346,16 +343,14 @@ class _Pass:
             "u", [self.entries.get(k, "0.0") for k in range(_length(self._ports.inputs))]
         )
         dx = self._state_vector()
-        commands = self._function("commands", outputs, u, held)
-        derivatives = self._function("derivatives", outputs, dx, held)
+        commands = of_present("commands", outputs, u, held)
+        derivatives = of_present("derivatives", outputs, dx, held)
         r = [each.code for each in pen.recorded] + [name for name, _ in pen.stops]
-        record = self._function("record", outputs, [f"r = [{', '.join(r)}]"], held, "r")
-        major = self._major(outputs, afters, held)
-        lasting = self._reads(
-            outputs, [], [each for each in outputs if each.rate != CONTINUOUS or each.gates]
-        )
-        u_reads = self._reads(outputs, u)
-        dx_reads = self._reads(outputs, dx) | self._reads(outputs, [], afters)
+        record = of_present("record", outputs, [f"r = [{', '.join(r)}]"], held, "r")
+        major = of_events(outputs, afters, held)
+        lasting = names_read(outputs, [], [each for each in outputs if each.lasts])
+        u_reads = names_read(outputs, u)
+        dx_reads = names_read(outputs, dx) | names_read(outputs, [], afters)
         if u_reads & efforts:
             raise InvalidValueError(
                 "what drives the mechanism depends at once on forces or accelerations that are "
@@ -367,7 +362,8 @@ class _Pass:
             x=np.array(pen.scope["x"], dtype=float),
             memory=tuple(pen.slots),
             rates=self._rates.periods,
-            has_major=any(s.rate == MAJOR for s in pen.sections) or bool(self._gate_of),
+            has_major=any(part.rate == MAJOR for part in pen.parts)
+            or bool(self._gate_of or self.loops),
             resets=pen.resets,
             recorded=tuple(pen.recorded),
             stops=tuple(pen.stops),
@@ -384,13 +380,14 @@ class _Pass:
             states=tuple(state.name for state in pen.states.values()),
             written=dict(pen.written),
             lagging=tuple(pen.lagging),
+            loops=tuple(self.loops),
         )
 
     def _hold(self) -> dict[str, int]:
         """Give every variable that is not computed always a place in the memory."""
         held: dict[str, int] = {}
-        for section in self.pen.sections:
-            if section.after or (section.rate == CONTINUOUS and not section.gates):
+        for section in self.pen.parts:
+            if section.after or not section.lasts:
                 continue
             for name in sorted(section.makes):
                 start = self.pen.scope[name]
@@ -400,16 +397,6 @@ class _Pass:
                     start = self.pen.initial.get(name, zero_like(start))
                 held[name] = self.pen.slot(start)
         return held
-
-    def _reads(
-        self, outputs: Sequence[Section], lines: Sequence[str], afters: Sequence[Section] = ()
-    ) -> set[str]:
-        goal = _settled(lines)
-        names = set(goal.reads).union(*(section.reads for section in afters))
-        found = set(names)
-        for section in needed(outputs, names):
-            found |= section.reads | section.makes
-        return found
 
     def _vector(self, name: str, entries: Sequence[str]) -> list[str]:
         if not entries:
@@ -428,91 +415,6 @@ class _Pass:
             else:
                 entries.append(f"*flat({dot})")
         return self._vector("dx", entries)
-
-    def _function(
-        self,
-        name: str,
-        outputs: Sequence[Section],
-        result: Sequence[str],
-        held: Mapping[str, int],
-        returned: str = "",
-    ) -> str:
-        """Write a function of the present: what is not computed always is read from the memory."""
-        goal = _settled(result)
-        chosen = needed(outputs, goal.reads)
-        wanted = set(goal.reads).union(*((*each.reads, *each.gates) for each in chosen))
-        body: list[str] = []
-        for section in chosen:
-            body += _present(section, held, wanted)
-        returned = returned or result[0].partition(" ")[0]
-        return _definition(f"def {name}(t, x, m, y, e):", [*body, *result, f"return {returned}"])
-
-    def _major(
-        self, outputs: Sequence[Section], afters: Sequence[Section], held: Mapping[str, int]
-    ) -> str:
-        """Write what happens at sample times and major steps: it changes the memory."""
-        lasting = [s for s in outputs if s.rate != CONTINUOUS or s.gates]
-        goals = {name for section in lasting for name in section.makes}
-        goals |= {name for section in afters for name in (*section.reads, *section.gates)}
-        body: list[str] = []
-        for section in needed(outputs, goals):
-            body += _at_major(section, held)
-        for section in afters:
-            condition = " and ".join((*_when(section), *section.gates))
-            body += _comment(section)
-            body += _under(condition, section.lines)
-        return _definition("def major(t, x, m, y, e, hits, step, after):", body or ["pass"])
-
-
-def _present(section: Section, held: Mapping[str, int], wanted: set[str]) -> list[str]:
-    """Write a section as it is between events."""
-    reads = [f"{name} = m[{held[name]}]" for name in sorted(section.makes & wanted) if name in held]
-    if section.rate != CONTINUOUS:
-        return reads
-    if not section.gates:
-        return [*_comment(section), *section.lines]
-    condition = " and ".join(section.gates)
-    otherwise = ["else:", *(f"    {line}" for line in reads)] if reads else []
-    return [*_comment(section), *_under(condition, section.lines), *otherwise]
-
-
-def _at_major(section: Section, held: Mapping[str, int]) -> list[str]:
-    """Write a section as it is at an event."""
-    names = sorted(name for name in section.makes if name in held)
-    condition = " and ".join((*_when(section), *section.gates))
-    if not condition:
-        return [*_comment(section), *section.lines]
-    stores = [f"m[{held[name]}] = {name}" for name in names]
-    reads = [f"{name} = m[{held[name]}]" for name in names]
-    otherwise = ["else:", *(f"    {line}" for line in reads)] if reads else []
-    return [*_comment(section), *_under(condition, [*section.lines, *stores]), *otherwise]
-
-
-def _when(section: Section) -> tuple[str, ...]:
-    if section.rate == CONTINUOUS:
-        return ()
-    return ("step",) if section.rate == MAJOR else (f"hits[{section.rate}]",)
-
-
-def _under(condition: str, lines: Iterable[str]) -> list[str]:
-    if not condition:
-        return [*lines]
-    return [f"if {condition}:", *(f"    {line}" for line in lines)]
-
-
-def _comment(section: Section) -> list[str]:
-    title = "".join(sign if sign.isprintable() else " " for sign in section.title)
-    return [f"# {title}"]
-
-
-def _definition(head: str, body: Iterable[str]) -> str:
-    return "\n".join((head, *(f"    {line}" for line in body)))
-
-
-def _settled(lines: Sequence[str]) -> Section:
-    section = Section(title="", lines=list(lines), rate=CONTINUOUS)
-    section.settle()
-    return section
 
 
 def _length(places: Mapping[str, slice]) -> int:

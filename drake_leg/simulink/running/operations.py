@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from drake_leg.simulink.running.settings import Signal, flat
+from drake_leg.simulink.running.solving import solved  # noqa: F401 - a name of the code, as all
 
 Array = NDArray[np.float64]
 

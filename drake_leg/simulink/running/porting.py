@@ -34,7 +34,12 @@ from drake_leg.simulink.running.settings import shape_of
 from drake_leg.simulink.wiring import physical_part
 
 INLINE = 400  # numbers of an array that are written in the script; more are in the data beside it
-OWN = {"source", "scope", "written"}  # fields of the code that the script has in another form
+OWN = {
+    "source",
+    "scope",
+    "written",
+    "loops",
+}  # fields of the code that the script has in another form
 SAID = {
     "commands": "Return what enters the mechanism.",
     "derivatives": "Return the derivatives of the continuous states.",

@@ -108,6 +108,7 @@ def runnable(
     duration: float | None = None,
     contact: Contact = "smooth",
     replace: Mapping[str, str] | None = None,
+    solve_loops: bool = False,
 ) -> Runnable:
     """Make a model ready to run.
 
@@ -122,6 +123,8 @@ def runnable(
     replace : mapping of str to str, optional
         What blocks put out instead of what they would, by name or path: ``"constant 0"``, or the
         name of a CSV file with a table of time and values.
+    solve_loops : bool
+        Whether algebraic loops are solved, and not only those with an Algebraic Constraint.
 
     Raises
     ------
@@ -129,21 +132,21 @@ def runnable(
         That lists all that is missing for a run.
     """
     model = replaced(model, replace or {})
-    mechanism = _mechanism(model, contact)
+    mechanism = _mechanism(model, contact, solve_loops)
     network = signal_network(model, mechanism.motions if mechanism else frozenset())
     ports = _ports(mechanism, None)
     try:
         solver = _solver(model, duration)
     except UnknownValueError as error:
-        refuse([str(error), *missing_for_run(network)], A_RUN)
+        refuse([str(error), *missing_for_run(network, solve_loops=solve_loops)], A_RUN)
         raise
     fixed = solver.get("fixed step")
-    _require_known(model, network, ports)
-    code = compile_signals(network, ports, fixed_step=fixed)
+    _require_known(model, network, ports, solve_loops)
+    code = compile_signals(network, ports, fixed_step=fixed, solve_loops=solve_loops)
     if mechanism is not None and ports.inputs:
         u = _commands(code, ports)
         ports = _ports(mechanism, u)
-        code = compile_signals(network, ports, fixed_step=fixed)
+        code = compile_signals(network, ports, fixed_step=fixed, solve_loops=solve_loops)
         if not code.needs_sensed and mechanism.is_driven:
             mechanism = mechanism.driven()
     return Runnable(
@@ -197,7 +200,7 @@ def _ports(mechanism: MechanismSystem | DrivenMechanism | None, u: Array | None)
     )
 
 
-def _mechanism(model: Model, contact: Contact) -> MechanismSystem | None:
+def _mechanism(model: Model, contact: Contact, solve_loops: bool) -> MechanismSystem | None:
     """Build the mechanism; what it lacks is one list with what the signals lack."""
     if not has_mechanism(model):
         return None
@@ -206,11 +209,11 @@ def _mechanism(model: Model, contact: Contact) -> MechanismSystem | None:
         return mechanism_dynamics(model, contact=contact, where=where)
     except InvalidValueError as error:
         found = error.problems if isinstance(error, MissingThingsError) else (str(error),)
-        lacking = missing_for_run(signal_network(model))
+        lacking = missing_for_run(signal_network(model), solve_loops=solve_loops)
         raise MissingThingsError(dict.fromkeys((*found, *lacking)), A_RUN) from None
 
 
-def _require_known(model: Model, network: SignalNetwork, ports: Ports) -> None:
+def _require_known(model: Model, network: SignalNetwork, ports: Ports, solve_loops: bool) -> None:
     """Refuse signals that other parts of Simscape would make, with all else that is missing."""
     blocks = {block.sid: block for block in model.blocks}
     unknown = sorted(network.sensed - {*ports.sensed, *ports.efforts})
@@ -223,7 +226,7 @@ def _require_known(model: Model, network: SignalNetwork, ports: Ports) -> None:
         )
         found[problem] = None
     if found:
-        refuse([*found, *missing_for_run(network)], A_RUN)
+        refuse([*found, *missing_for_run(network, solve_loops=solve_loops)], A_RUN)
 
 
 def _commands(code: Code, ports: Ports) -> Array:

@@ -50,6 +50,8 @@ def dependence(source: str, marks: Marks) -> list[frozenset[int]] | None:
         names = _made(statement)
         if names is None:  # any of its names may be changed, or left as it was
             names = {each.id for each in ast.walk(statement) if isinstance(each, ast.Name)}
+            if isinstance(statement, ast.FunctionDef):
+                names.add(statement.name)
             found = _read(statement, known, marks)
         else:
             assert isinstance(statement, ast.Assign)

@@ -20,7 +20,7 @@ from drake_leg.simulink.running.running import ModelRun, Runnable
 SETTINGS = ("Solver", "SolverType", "StartTime", "StopTime", "RelTol", "AbsTol", "MaxStep",
             "FixedStep")  # fmt: skip
 MOST_NAMES = 60  # of states that a summary lists
-SHOWN = 3  # lines that were skipped, in a remark; the summary lists all
+SHOWN = 3  # of a kind, in a remark; the summary lists all
 LAWS = {
     "smooth": "the blocks' law, which never pulls",
     "pulling": "the blocks' law, whose damper may pull",
@@ -101,6 +101,10 @@ def _understood(model: Model, ready: Runnable) -> dict[str, Any]:
         "continuous_states": len(code.x),
         "blocks_with_states": [*code.states[:MOST_NAMES]],
         "sample_times_s": [{"period": period, "offset": offset} for period, offset in code.rates],
+        "algebraic_loops": [
+            {"blocks": [block.path for block in loop.blocks], "unknown_signals": len(loop.torn)}
+            for loop in code.loops
+        ],
         "mechanism": None,
     }
     if mechanism is not None:
@@ -157,6 +161,11 @@ def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
             f"continuous states are integrated by {run.integrator} with steps of its own choice, "
             "and delays of continuous signals take that step"
         )
+    loops = ready.code.loops
+    if loops:
+        more = f"; and {len(loops) - SHOWN} more" if len(loops) > SHOWN else ""
+        names = "; ".join(loop.names for loop in loops[:SHOWN])
+        yield f"solved by Newton's method, algebraic loops of {names}{more}"
     if not run.shown:
         joints = ready.diagram.mechanism is not None
         yield f"{NO_SINK}{', so the joints alone are recorded' if joints else ''}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import reduce
 from typing import Any
 
@@ -23,6 +24,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.running.compiling import Code
 from drake_leg.simulink.running.rates import Rate, next_hit
 from drake_leg.simulink.running.settings import flat
+from drake_leg.simulink.running.solving import UnsolvedLoopError
 from drake_leg.simulink.running.sparsity import Marks, Pattern, dependence, source_of
 from drake_leg.simulink.running.tracing import first_not_finite
 
@@ -45,6 +47,15 @@ class Memory(list[Any]):
         found = Memory(self)
         found.stepped, found.sampled = self.stepped, self.sampled
         return found
+
+
+@dataclass(kw_only=True)
+class _Lost:
+    """What a function of signals was called with when it first gave what is not finite."""
+
+    arguments: tuple[Any, ...]
+    why: str  # the algebraic loop that was not solved; "" where all were
+    times: int = 0  # that it happened
 
 
 class SignalSystem(LeafSystem):
@@ -77,8 +88,7 @@ class SignalSystem(LeafSystem):
         self._commands, self._derivatives = functions["commands"], functions["derivatives"]
         self._record, self._major = functions["record"], functions["major"]
         self._none = np.zeros(0)
-        # Function that gives what is not finite: how many times by now, and its first arguments.
-        self._lost: dict[str, tuple[int, tuple[Any, ...]]] = {}
+        self._lost: dict[str, _Lost] = {}  # by the function that gives what is not finite
         self.DeclareContinuousState(BasicVector(code.x))
         self._memory = self.DeclareAbstractState(AbstractValue.Make(Memory(code.memory)))
         self._sensed = self.DeclareVectorInputPort("sensed", sensed) if sensed else None
@@ -126,37 +136,50 @@ class SignalSystem(LeafSystem):
         sensed = self._none
         if self.code.needs_sensed and self._now is not None:
             sensed = self._now.Eval(context)
-        with np.errstate(all="ignore"):
-            arguments = (*self._own(context), sensed, self._none)
-            u = self._commands(*arguments)
-        self._require_finite("commands", u, arguments)
-        output.SetFromVector(u)
+        arguments = (*self._own(context), sensed, self._none)
+        output.SetFromVector(self._computed(self._commands, arguments, output.size()))
 
     def DoCalcTimeDerivatives(self, context: Context, derivatives: ContinuousState) -> None:
         """Compute the derivatives of all states."""
         if not self.code.x.size:
             return
-        with np.errstate(all="ignore"):
-            arguments = self._read(context)
-            found = self._derivatives(*arguments)
-        self._require_finite("derivatives", found, arguments)
-        derivatives.SetFromVector(found)
+        arguments = self._read(context)
+        derivatives.SetFromVector(self._computed(self._derivatives, arguments, self.code.x.size))
 
-    def _require_finite(self, function: str, found: Array, arguments: tuple[Any, ...]) -> None:
+    def _computed(
+        self, function: Callable[..., Array], arguments: tuple[Any, ...], size: int
+    ) -> Array:
+        """Call a function; where an algebraic loop is not solved, what it returns is no number."""
+        why = ""
+        try:
+            with np.errstate(all="ignore"):
+                found = function(*arguments)
+        except UnsolvedLoopError as error:
+            found, why = np.full(size, math.nan), str(error)
+        self._require_finite(function.__name__, found, _Lost(arguments=arguments, why=why))
+        return found
+
+    def _require_finite(self, function: str, found: Array, lost: _Lost) -> None:
         """Note what is not finite; refuse it where shorter steps do not help."""
-        before = self._lost.get(function)
+        first = self._lost.get(function)
         if math.isfinite(found.sum()):
-            if before and arguments[0] > before[1][0]:  # shorter steps came past it
+            if first and lost.arguments[0] > first.arguments[0]:  # shorter steps came past it
                 del self._lost[function]
             return
-        self._lost[function] = (before[0] + 1, before[1]) if before else (1, arguments)
-        if self._lost[function][0] > MOST_LOST:
+        first = self._lost.setdefault(function, lost)
+        first.times += 1
+        if first.times > MOST_LOST:
             raise InvalidValueError(self.what_is_not_finite() or "a signal is not finite")
 
     def what_is_not_finite(self) -> str:
-        """Say which block was the first to put out what is not finite, "" where none did."""
-        for function, (_, arguments) in self._lost.items():
-            block = first_not_finite(self.code, function, arguments)
+        """Say which block was the first to put out what is not finite, "" where none did.
+
+        An algebraic loop that is not solved is said instead.
+        """
+        for function, lost in self._lost.items():
+            if lost.why:
+                return lost.why
+            block = first_not_finite(self.code, function, lost.arguments)
             if block:
                 return f"what the block {block!r} puts out is not finite"
         return ""

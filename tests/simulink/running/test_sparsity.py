@@ -27,6 +27,7 @@ MARKS = {"x": [frozenset([k]) for k in range(6)], "y": [frozenset([4]), frozense
         (["a = zeros(2)", "a += x[3]"], "a[1], x[1]", [{3}, {1}]),
         (["a = []", "a.append(x[3])"], "a[0]", [{3}]),
         (["f = g.call(kept, x[2])", "b = f[0]"], "b", [{2}]),
+        (["def g(z):", "    a = z * x[3]", "    return a", "b = solved(g, m[0])"], "b", [{3}]),
         (["a = [each * x[1] for each in x[2:4]]"], "a[0]", [{1, 2, 3}]),
     ],
 )  # fmt: skip

@@ -436,3 +436,16 @@ def _two_numbers(w: Writer) -> tuple[str, str]:
     if not (one.is_scalar and other.is_scalar):
         raise w.fault("converts vectors, which does not run: give it two numbers")
     return one.code, other.code
+
+
+@kind("AlgebraicConstraint", "Algebraic Constraint", sample_time="")
+def algebraic_constraint(w: Writer) -> None:
+    """Put out what makes its input 0, or equal to it, as the block says."""
+    port = w.node.outputs[0] if w.node.outputs else ""
+    if port not in w.pen.values:
+        raise w.fault("puts out what its input does not depend on at once: connect them")
+    z, f = w.pen.values[port], w.numeric()
+    z, f = (w.as_vector(one) if max(z.size, f.size) > 1 else one for one in (z, f))
+    is_fixed_point = w.settings.text("Constraint", "f(z) = 0").replace(" ", "") == "f(z)=z"
+    w.pen.residuals[port] = w.let(f"{f.code} - {z.code}" if is_fixed_point else f.code, "residual")
+    w.put(w.let(z.code))
