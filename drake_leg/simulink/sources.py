@@ -19,7 +19,7 @@ _CAD_FILE = "_DataFile.m"
 _BEFORE = ("PreLoadFcn", "PostLoadFcn")  # callbacks that MATLAB runs before a person's scripts
 _AFTER = ("InitFcn",)
 _NAME = re.compile(r"[A-Za-z]\w{0,62}")
-SCRIPTS = (".m", ".mat")
+SCRIPTS = (".m", ".mlx", ".mat")
 MODELS = (".slx", ".mdl")
 
 
@@ -153,7 +153,7 @@ def _run_given(workspace: Workspace, path: Path) -> None:
     """Run a script, or read a .mat file or the workspace of a model, that a person gives."""
     if path.suffix.lower() not in (*SCRIPTS, *MODELS):
         raise InvalidValueError(
-            f"{path} is neither a script (.m) nor a .mat file, nor a model: give one"
+            f"{path} is neither a script (.m, .mlx) nor a .mat file, nor a model: give one"
         )
     if not path.is_file():
         raise InvalidValueError(f"there is no file {path}: give one that exists")

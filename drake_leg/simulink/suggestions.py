@@ -12,7 +12,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.lacks import Lack, lacks_of
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.folders import Folders, text_of
+from drake_leg.simulink.matlab.folders import SCRIPTS, Folders, text_of
 from drake_leg.simulink.matlab.matfiles import names_of_mat, read_struct
 from drake_leg.simulink.matlab.names import assigned
 from drake_leg.simulink.matlab.numeric import MatlabError
@@ -21,7 +21,7 @@ from drake_leg.simulink.model import Model
 MOST_SCRIPTS = 3
 MOST_MODELS = 100  # whose workspaces are looked into
 _SHORT = 4_000  # letters; a longer script does more than run others
-_ENDINGS = (".slx", ".mat", ".m")  # the best last
+_GOODNESS = {".slx": 0, ".mat": 1, **dict.fromkeys(SCRIPTS, 2)}
 _DEPTH = 4  # scripts that scripts run
 
 
@@ -49,10 +49,11 @@ def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
     reader = _Reader(folders, set(missing))
     ranked: dict[tuple[int, int, int], list[Path]] = {}  # how good -> files, the nearest first
     models = folders.ending(".slx")[:MOST_MODELS] if model.variables.is_lent else []
-    for path in (*folders.ending(".m"), *folders.ending(".mat"), *models):
+    files = (path for ending in (*SCRIPTS, ".mat") for path in folders.ending(ending))
+    for path in (*files, *models):
         sets = reader.sets(path) if path.resolve() not in done else set()
         if sets:
-            rank = (len(sets), _ENDINGS.index(path.suffix), len(reader.own[path]))
+            rank = (len(sets), _GOODNESS[path.suffix], len(reader.own[path]))
             ranked.setdefault(rank, []).append(path)
     if not ranked:
         return None
@@ -138,18 +139,24 @@ class _Reader:
 
     def _run_by(self, statement: syntax.Statement, path: Path) -> list[Path]:
         """Files that a statement runs or loads."""
-        name = ""
+        found: Path | None = None
         match statement:
             case syntax.Evaluate(value=syntax.Name(name=script)):
-                name = f"{script}.m"
+                found = self._folders.code(script, path.parent)
             case syntax.Evaluate(
                 value=syntax.Apply(name="run" | "load" as how, arguments=(syntax.Text(text=text),))
             ):
-                name = _with_ending(text, how)
+                found = self._named(text, how, path.parent)
             case syntax.Command(name="run" | "load" as how, words=(str() as text, *_)):
-                name = _with_ending(text, how)
-        found = self._folders.file(name, path.parent) if name else None
+                found = self._named(text, how, path.parent)
         return [found] if found else []
+
+    def _named(self, text: str, how: str, beside: Path) -> Path | None:
+        """Find the file that ``run`` or ``load`` names, with or without its ending."""
+        name = re.split(r"[\\/]", text)[-1]
+        if how == "load":
+            return self._folders.file(f"{name.removesuffix('.mat')}.mat", beside)
+        return self._folders.code(name.removesuffix(".mlx").removesuffix(".m"), beside)
 
 
 def _fields(statements: tuple[syntax.Statement, ...]) -> Iterator[str]:
@@ -174,8 +181,3 @@ def _first_field(node: syntax.Expression) -> str:
         name = str(node.name) if isinstance(node, syntax.Field) else name
         node = node.base
     return name
-
-
-def _with_ending(text: str, how: str) -> str:
-    name, ending = re.split(r"[\\/]", text)[-1], ".m" if how == "run" else ".mat"
-    return name if name.endswith(ending) else name + ending

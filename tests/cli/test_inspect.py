@@ -199,7 +199,7 @@ def test_values_come_from_scripts_and_options(capsys, lacking):
         (["--set", "k"], "--set k gives no value: write it as L1=0.05"),
         (["--set", "k=1/"], "the value of k is '1/': it ends too early"),
         (["--init", "absent.m"], "there is no file absent.m"),
-        (["--init", "m.txt"], "m.txt is neither a script (.m) nor a .mat file, nor a model"),
+        (["--init", "m.txt"], "m.txt is neither a script (.m, .mlx) nor a .mat file, nor a model"),
         (["--init", "m.slx"], "there is no file m.slx"),
     ],
 )

@@ -301,6 +301,24 @@ def test_a_script_that_sets_values_comes_before_one_that_only_runs_it(tmp_path):
     assert (found.path.name, found.others) == ("setup.m", ())
 
 
+def test_a_variable_with_the_name_of_a_function_is_asked_for(tmp_path):
+    (tmp_path / "setup.m").write_text("floor.height = 2;\ngamma = 3;")
+    path = one_gain("gamma*floor.height").write(tmp_path / "m.slx")
+    found = suggested(path)
+    assert found.path.name == "setup.m"
+    assert gain(path, init=[found.path])[0] == 6.0
+
+
+def test_variables_are_those_at_the_first_run_of_the_model(tmp_path):
+    lines = "L = 1; n = 4;\nsim('other'); n = 5;\n{}\nL = 2; n = missing; k = 7;\nsim('m')"
+    path = one_gain("10*L + n").write(tmp_path / "m.slx")
+    for how in ("sim('m.slx', 10);", "out = sim('m', 'StopTime', '2');", 'sim("m");'):
+        (tmp_path / "main.m").write_text(lines.format(how))
+        assert gain(path, init=[tmp_path / "main.m"])[0] == 15.0, how
+    (tmp_path / "main.m").write_text("L = 1; n = 4;\nsim('other'); L = 2;")
+    assert gain(path, init=[tmp_path / "main.m"])[0] == 24.0
+
+
 def test_scripts_that_set_as_many_are_told(tmp_path):
     far = tmp_path / "old"
     far.mkdir()

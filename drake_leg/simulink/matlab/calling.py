@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.data import Cell, SpentError, Struct, boxed
+from drake_leg.simulink.matlab.data import Cell, LackError, SpentError, Struct, boxed
 from drake_leg.simulink.matlab.frames import Frame, Values
 from drake_leg.simulink.matlab.numeric import MatlabError
 
@@ -87,14 +87,12 @@ def guarded(name: str, count: int, act: Callable[[], Any]) -> Any:
         raise
     except MemoryError:
         raise SpentError(f"'{name}' needs more memory than there is") from None
-    except TypeError:
+    except (TypeError, IndexError) as error:
+        if not count:  # the name may stand for a variable that nothing gives
+            raise LackError(f"'{name}' needs arguments", names=(name,)) from None
         many = "this argument" if count == 1 else f"these {count} arguments"
-        raise MatlabError(
-            f"'{name}' does not take {many}" if count else f"'{name}' needs arguments"
-        ) from None
-    except IndexError as error:
-        reason = f"'{name}': {str(error)[:120]}" if count else f"'{name}' needs arguments"
-        raise MatlabError(reason) from None
+        problem = "does not take" if isinstance(error, TypeError) else "cannot take"
+        raise MatlabError(f"'{name}' {problem} {many}") from None
     except (ValueError, ArithmeticError, AttributeError, KeyError) as error:
         raise MatlabError(f"'{name}': {str(error)[:120]}") from None
     except np.linalg.LinAlgError as error:

@@ -9,10 +9,12 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.data import LackError
 from drake_leg.simulink.matlab.frames import File
+from drake_leg.simulink.matlab.live import code_of
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.parser import Parser
 from drake_leg.simulink.matlab.syntax import tokenize
 
+SCRIPTS = (".m", ".mlx")  # of two of the same name, the first is taken
 SCRIPT_BYTES = 5_000_000
 MOST_FILES = 50_000  # files and folders that are looked through
 _LONGEST = 500  # letters of a file's name
@@ -68,6 +70,11 @@ class Folders:
             self._found[name, beside] = self._looked_for(name, beside)
         return self._found[name, beside]
 
+    def code(self, name: str, beside: Path | None = None) -> Path | None:
+        """Find a script or function by its name, without the ending of its file."""
+        found = (self.file(f"{name}{ending}", beside) for ending in SCRIPTS)
+        return next((path for path in found if path is not None), None)
+
     def _looked_for(self, name: str, beside: Path | None) -> Path | None:
         for folder in (beside, beside / "private" if beside else None, *self._near):
             if folder is not None and _is_there(path := folder / name) and self._holds(path):
@@ -100,7 +107,7 @@ class Folders:
         return self._places.get(name, [])
 
     def script(self, path: Path) -> syntax.Script:
-        """Read and parse a .m file.
+        """Read and parse a script or functions.
 
         Raises
         ------
@@ -119,10 +126,10 @@ class Folders:
         LackError
             If the file is not well formed.
         """
-        key = f"{name}.m" if name.isidentifier() else _key_of_package(name)
+        key = name if name.isidentifier() else _key_of_package(name)
         if not key:
             return None
-        path = self.file(key, beside)
+        path = self.code(key, beside)
         if path is None or (known and not self.is_near(path, beside)):
             return None
         if path not in self._files:
@@ -143,7 +150,7 @@ def _key_of_package(name: str) -> str:
     *packages, last = name.split(".")
     if not all(part.isidentifier() for part in (*packages, last)):
         return ""
-    return "".join(f"+{package}/" for package in packages) + f"{last}.m"
+    return "".join(f"+{package}/" for package in packages) + last
 
 
 def _is_there(path: Path) -> bool:
@@ -173,7 +180,7 @@ def _walked(root: Path) -> Iterator[Path]:
                 if entry.is_dir():
                     if not entry.name.startswith((".", "@")) and entry.name not in _LEFT_OUT:
                         below.append(entry)
-                elif entry.suffix.lower() in (".m", ".mat"):
+                elif entry.suffix.lower() in (*SCRIPTS, ".mat"):
                     yield entry
         folders = below
 
@@ -212,6 +219,8 @@ def text_of(path: Path) -> str:
         If it cannot be read.
     """
     try:
+        if path.suffix.lower() == ".mlx":
+            return code_of(path)
         if path.stat().st_size > SCRIPT_BYTES:
             raise InvalidValueError(f"{path.name} is longer than {SCRIPT_BYTES:,} characters")
         return path.read_bytes().decode("utf-8", "replace")

@@ -90,6 +90,9 @@ class Host(Protocol):
     def mat_file(self, frame: Frame, words: Values) -> Struct:
         """Variables of a .mat file."""
 
+    def simulates(self, model: Any) -> None:  # noqa: ANN401
+        """Note that a script would run a model here."""
+
     def add_paths(self, words: Values) -> None:
         """Look for files in more folders."""
 
@@ -132,6 +135,9 @@ class Alone:
     def run_text(self, text: str, wanted: int, frame: Frame) -> Values:
         """No text."""
         raise LackError("a text is not run as code in a block")
+
+    def simulates(self, model: Any) -> None:  # noqa: ANN401
+        """Note nothing."""
 
     def mat_file(self, frame: Frame, words: Values) -> Struct:
         """No variables."""

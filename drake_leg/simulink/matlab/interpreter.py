@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -210,6 +211,9 @@ class Interpreter:
                 )
                 COMMANDS[name](self, words, frame)
                 return
+            if name == "sim" and isinstance(node, syntax.Apply):
+                with suppress(MatlabError):
+                    self.host.simulates(self.value(node.arguments[0], frame))
             if self._unseen(name, frame):
                 return
         if isinstance(node, syntax.Field) and called(first_of(node)) == "coder":
@@ -460,6 +464,8 @@ class Interpreter:
         if name in QUIET:
             return []
         if name in NOT_RUN:
+            if name == "sim" and arguments:
+                self.host.simulates(arguments[0])
             if not wanted:
                 self.host.skip(name, frame, NOT_RUN[name])
                 return []

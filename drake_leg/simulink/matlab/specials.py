@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -134,7 +135,7 @@ def _print(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> V
 
 def _file_name(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
     """``mfilename``: folders count from those that are searched."""
-    return [frame.file.name.removesuffix(".m")]
+    return [Path(frame.file.name).stem]
 
 
 def _here(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
@@ -294,7 +295,7 @@ def _add_path(self: Interpreter, words: Values, frame: Frame) -> None:
 
 def _run(self: Interpreter, words: Values, frame: Frame) -> None:
     name = str(words[0]) if words else ""
-    stem = re.split(r"[\\/]", name)[-1].removesuffix(".m")
+    stem = re.split(r"[\\/]", name)[-1].removesuffix(".m").removesuffix(".mlx")
     if not self.host.run_beside(stem, frame):
         raise LackError(f"the script {name!r} is not in the given folders", names=(stem,))
 

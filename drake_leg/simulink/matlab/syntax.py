@@ -169,7 +169,7 @@ class _Scanner:
         first, after = found["rest"][0], self._text[found.end() : found.end() + 1]
         if found["name"] in COMMANDS:
             return found if not re.match(r"[-+*/^<>&|~]\s", found["rest"]) else None
-        plain = first.isalpha() and not re.match(r"\w+\s*[.(=]", found["rest"])
+        plain = first.isalnum() and not re.match(r"\w+\s*[.(=]", found["rest"])
         return found if plain and after != "(" and "=" not in found["rest"] else None
 
     def _begins_statement(self) -> bool:

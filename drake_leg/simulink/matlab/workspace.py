@@ -21,7 +21,7 @@ from drake_leg.simulink.matlab.data import (
     StopError,
     Struct,
 )
-from drake_leg.simulink.matlab.folders import Folders, parsed, text_of
+from drake_leg.simulink.matlab.folders import SCRIPTS, Folders, parsed, text_of
 from drake_leg.simulink.matlab.frames import File, Frame, MaskedBlock, Values
 from drake_leg.simulink.matlab.interpreter import Interpreter
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN
@@ -85,6 +85,7 @@ class Workspace:
         self._interpreter = Interpreter(self, self.budget)
         self._running: list[str] = []
         self._lost_here: dict[str, str] = {}
+        self._at_run: tuple[dict[str, Any], dict[str, str]] | None = None  # as a script runs it
         self._masked: MaskedBlock | None = None
         for path in near:
             self.folders.add(path)
@@ -170,6 +171,7 @@ class Workspace:
         sources = {name: self.source[name] for name in held}
         values = self.variables if local is None else local
         self._lost_here = {}
+        self._at_run = None
         frame = Frame(values=values, file=file, lenient=True)
         self.budget.share(SHARE)
         self._running.append(name)
@@ -188,9 +190,21 @@ class Workspace:
         finally:
             self._running.pop()
             self.budget.until = 0
+            self._restore()
             self.variables.update(held)
         self.source.update(sources)
         return self._lost_here
+
+    def _restore(self) -> None:
+        """Give variables the values that they had where a script would run the model."""
+        if self._at_run is None:
+            return
+        variables, source = self._at_run
+        self.variables.update(variables)
+        self.source.update(source)
+        for name in variables:
+            self.lacking.pop(name, None)
+            self._lost_here.pop(name, None)
 
     def evaluate(self, expression: str, *, local: Mapping[str, Any] | None = None) -> Any:  # noqa: ANN401
         """Evaluate an expression with the variables, and with others before them.
@@ -264,7 +278,7 @@ class Workspace:
 
     def run_beside(self, name: str, frame: Frame) -> bool:
         """Run the script of that name in a frame, if there is one."""
-        path = self.folders.file(f"{name}.m", frame.file.folder)
+        path = self.folders.code(name, frame.file.folder)
         if path is None:
             return False
         try:
@@ -314,6 +328,12 @@ class Workspace:
         wanted = [name for name in names[1:] if not name.startswith("-")]
         return Struct({key: found[key] for key in found if not wanted or key in wanted})
 
+    def simulates(self, model: Any) -> None:  # noqa: ANN401
+        """Note the variables that the model has where a script runs it for the first time."""
+        stem = Path(model).stem if isinstance(model, str) else ""
+        if self._at_run is None and stem and self.model.endswith(stem):
+            self._at_run = dict(self.variables), dict(self.source)
+
     def add_paths(self, words: Values) -> None:
         """Look for files in more folders, if they are inside the given ones."""
         for word in words:
@@ -323,7 +343,7 @@ class Workspace:
 
     def has_file(self, name: str) -> bool:
         """Whether there is such a file or folder in the given ones."""
-        return any(self.folders.within(f"{name}{ending}") for ending in ("", ".m", ".mat"))
+        return any(self.folders.within(f"{name}{ending}") for ending in ("", *SCRIPTS, ".mat"))
 
     def base(self) -> dict[str, Any]:
         """Return the variables that all scripts share."""

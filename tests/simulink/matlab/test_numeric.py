@@ -241,6 +241,7 @@ def test_names_are_variables_before_they_are_functions():
         ("(-8)^(1/3)", "it is complex; only real numbers are supported"),
         ("2^-1^2", "put the signed exponent into parentheses"),
         ("sin", "'sin' needs arguments"),
+        ("3*gamma", "'gamma' needs arguments"),
         ("max(1, 2, 3, 4)", "'max' does not take these 4 arguments"),
         ("end", "unexpected 'end' where a value should be"),
         ("sin(end)", "'end' is used outside the index of a variable"),

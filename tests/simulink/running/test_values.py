@@ -201,6 +201,28 @@ def test_what_sources_put_out(tmp_path, time):
         assert values[f"y{number}"] == pytest.approx(law(time), abs=1e-13), kind
 
 
+def test_matrices_over_time_come_from_the_workspace(tmp_path):
+    rig = Rig()
+    texts = {
+        "a": "struct('time', [0 1], 'signals', struct('values', cat(3, [1 2;3 4], [5 6;7 8])))",
+        "b": "struct('time', [0;1], 'signals', struct('values', cat(3, [1;2], [3;4])))",
+        "c": "struct('time', [0;1], 'signals', struct('values', [1 2;3 4]))",
+    }
+    for name, text in texts.items():
+        rig.show(rig.block("FromWorkspace", f"from {name}", VariableName=text), name)
+    values = rig.values(tmp_path, 0.5)
+    assert values["a"].tolist() == [[3.0, 4.0], [5.0, 6.0]]
+    assert values["b"].tolist() == [2.0, 3.0]
+    assert values["c"].tolist() == [2.0, 3.0]
+
+
+def test_a_transfer_function_may_begin_with_zeros(tmp_path):
+    rig = Rig()
+    u = rig.constant("3")
+    rig.show(rig.block("TransferFcn", "gain", u, Numerator="[0 2]", Denominator="[0 4]"), "gain")
+    assert rig.values(tmp_path)["gain"] == 1.5
+
+
 def test_a_bus_is_taken_apart_by_names(tmp_path):
     rig = Rig()
     a, b = rig.constant("1"), rig.constant("[2 3]")

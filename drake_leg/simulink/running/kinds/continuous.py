@@ -261,7 +261,8 @@ def _fraction(settings: Settings) -> tuple[np.ndarray, np.ndarray]:
         return system.numerator, system.denominator
     names = ("N", "D") if settings.block.type == "Reference" else ("Numerator", "Denominator")
     numerator = np.trim_zeros(settings.numbers(names[0], "[1]"), "f")
-    return (numerator if numerator.size else np.zeros(1)), settings.numbers(names[1], "[1 1]")
+    denominator = np.trim_zeros(settings.numbers(names[1], "[1 1]"), "f")
+    return (numerator if numerator.size else np.zeros(1)), denominator
 
 
 @kind("TransferFcn", "Transfer Fcn (with initial outputs)", "LTI System", finish=_linear_after,
@@ -269,7 +270,9 @@ def _fraction(settings: Settings) -> tuple[np.ndarray, np.ndarray]:
 def transfer_function(w: Writer) -> None:
     """Filter by a transfer function, from rest or from a given output."""
     numerator, denominator = _fraction(w.settings)
-    if numerator.size > denominator.size or not denominator[0]:
+    if not denominator.size:
+        raise w.fault("has a denominator of zeros")
+    if numerator.size > denominator.size:
         raise w.fault("has a numerator of a higher degree than its denominator")
     if denominator.size == 1:
         w.kept["linear"] = np.zeros((0, 0)), np.zeros((0, 1))

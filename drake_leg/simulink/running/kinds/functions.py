@@ -46,7 +46,7 @@ def _free_names(w: Writer, text: str, names: Mapping[str, Operand]) -> list[str]
     for name in dict.fromkeys(re.findall(r"(?<![\w.])[A-Za-z]\w*", text)):
         if name in names or means_something(name):
             continue
-        if w.pen.folders is not None and w.pen.folders.file(f"{name}.m") is not None:
+        if w.pen.folders is not None and w.pen.folders.code(name) is not None:
             continue
         found.append(name)
     return found

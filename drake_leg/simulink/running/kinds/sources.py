@@ -283,12 +283,18 @@ def from_workspace(w: Writer) -> None:
 
 
 def _table_over_time(w: Writer, given: object, method: str) -> str:
-    times, values = workspace_table(w, given)
-    return f"over_time(t, {w.constant(times, 'times')}, {w.constant(values, 'values')}, '{method}')"
+    times, values, shape = workspace_table(w, given)
+    found = (
+        f"over_time(t, {w.constant(times, 'times')}, {w.constant(values, 'values')}, '{method}')"
+    )
+    return f"{found}.reshape({shape}, order='F')" if len(shape) == 2 else found
 
 
-def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray]:
-    """Read times (n,) and values (n, k) of a variable."""
+def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
+    """Read times (n,) and values (n, k) of a variable, and the shape that k numbers have.
+
+    Those of a matrix over time, whose last dimension is the time, are by columns.
+    """
     from drake_leg.simulink.matlab.data import Struct, array_of
 
     if isinstance(given, Struct) and "time" in given and "signals" in given:
@@ -301,10 +307,12 @@ def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray]:
             "reads a variable that is neither a matrix of time and values nor a structure with "
             "time and signals"
         )
-    values = values.reshape(values.shape[0], -1)
+    shape = values.shape[:-1] if values.ndim == 3 else values.shape[1:]
+    if values.ndim == 3:
+        values = values.reshape(-1, values.shape[-1], order="F").T
     if values.shape[0] != len(times) or not len(times):
         raise w.fault(f"reads {len(times)} times and {values.shape[0]} rows of values")
-    return times, values
+    return times, values, tuple(int(each) for each in shape if each > 1 or 1 not in shape)
 
 
 @kind("Inport")
