@@ -97,7 +97,7 @@ class DrawnBlock:
     undecided: str = ""  # why none of its variants was chosen
 
     def __str__(self) -> str:
-        return f"block {self.name!r} (SID {self.sid})"
+        return f"block {self.name!r} (SID {self.sid})" if self.sid else f"the file {self.name!r}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,6 +110,23 @@ class Diagram:
     commented: set[str] = field(default_factory=set)  # SIDs of blocks commented out, and inside
     through: dict[str, DrawnBlock] = field(default_factory=dict)  # of them, those that are wires
     models: dict[str, SimulinkFile] = field(default_factory=dict)  # by the SIDs of their blocks
+
+
+def mask_of_file(file: SimulinkFile) -> DrawnBlock | None:
+    """Return the block that a subsystem in a file of its own is elsewhere, if it has a mask."""
+    if file.is_model or not (file.mask.values or file.mask.code.strip()):
+        return None
+    return DrawnBlock(
+        sid="",
+        name=file.path.stem,
+        path="",
+        type="SubSystem",
+        source="",
+        system="",
+        texts={},
+        ports={},
+        mask=file.mask,
+    )
 
 
 def read_diagram(file: SimulinkFile, libraries: Libraries) -> Diagram:
@@ -229,6 +246,8 @@ class _Walk:
             if linked.block is None:
                 if block.type == "ModelReference":
                     self.diagram.models[block.sid] = linked.file
+                else:
+                    block = replace(block, mask=_with_own_values(linked.file.mask, block))
                 element = Element("Block")
                 element.append(linked.file.top)
                 return replace(block, type="SubSystem"), element, place
@@ -269,8 +288,6 @@ def _reference(block: DrawnBlock) -> str | None:
 
 def _put_in_place(block: DrawnBlock, linked: DrawnBlock) -> DrawnBlock:
     """Return the block of a library as a model has it: with its name, place and settings."""
-    own = block.mask.values | block.texts
-    values = {name: own.get(name, text) for name, text in linked.mask.values.items()}
     return replace(
         linked,
         sid=block.sid,
@@ -279,8 +296,14 @@ def _put_in_place(block: DrawnBlock, linked: DrawnBlock) -> DrawnBlock:
         system=block.system,
         texts=linked.texts | block.texts,
         ports=block.ports or linked.ports,
-        mask=replace(linked.mask, values=values),
+        mask=_with_own_values(linked.mask, block),
     )
+
+
+def _with_own_values(mask: Mask, block: DrawnBlock) -> Mask:
+    """Return the mask of what a block refers to with the values that the block gives."""
+    own = block.mask.values | block.texts
+    return replace(mask, values={name: own.get(name, text) for name, text in mask.values.items()})
 
 
 def _drawn_block(element: Element, place: _Place) -> DrawnBlock:

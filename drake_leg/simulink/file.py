@@ -10,10 +10,12 @@ from xml.etree.ElementTree import Element
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import WHOLE, parameters, parts_of
 from drake_leg.simulink.charts import Charts
+from drake_leg.simulink.masks import Mask, read_mask
 
 _ROOT = "simulink/systems/system_root.xml"
 _CONFIGURATION = "simulink/configSet0.xml"
 _WORKSPACE = "simulink/modelWorkspace.mxarray"
+_MASK = "simulink/modelMask.xml"
 _STATEFLOW = re.compile(r"simulink/stateflow(\.xml|/(machine|chart_\w+)\.xml)")
 _SYSTEM = re.compile(r"\w{1,80}")
 _HOLDERS = ("Model", "Library", "Subsystem")
@@ -83,6 +85,15 @@ class SimulinkFile:
     def workspace_content(self) -> bytes | None:
         """The model workspace that the file itself keeps, packed."""
         return self._parts.read(_WORKSPACE)
+
+    @cached_property
+    def mask(self) -> Mask:
+        """The mask of a subsystem in a file of its own; an empty one where it has none."""
+        holder = Element("Block")
+        own = self._tree(_MASK)
+        if own is not None:
+            holder.append(own)
+        return read_mask(holder, {})
 
     def data(self, reference: str) -> bytes | None:
         """Read the data that a ``<P Ref="bdmxdata:...">`` names; None where there are none."""

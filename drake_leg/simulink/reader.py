@@ -13,7 +13,7 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.simulink.archive import parameters
-from drake_leg.simulink.diagram import Diagram, DrawnBlock, read_diagram
+from drake_leg.simulink.diagram import Diagram, DrawnBlock, mask_of_file, read_diagram
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.linking import Libraries
 from drake_leg.simulink.model import Block, Model, Parameters, Value
@@ -91,7 +91,7 @@ def read_model(
         given = Given(values=values or {}, init=tuple(map(Path, init)), paths=tuple(paths))
         variables = variables_of(file, given, partial(_mentioned, drawn))
         _require_used(given, file, drawn)
-        drawn, scopes = settled(drawn, variables)
+        drawn, scopes = settled(drawn, variables, mask_of_file(file))
         diagram = choose_variants(drawn, partial(_holds, scopes), variants)
         return _model(file, diagram, scopes, variables)
     except InvalidValueError as error:

@@ -120,13 +120,14 @@ def no_names() -> Scope:
 
 
 def settled(
-    diagram: Diagram, variables: Variables | None = None
+    diagram: Diagram, variables: Variables | None = None, masked: DrawnBlock | None = None
 ) -> tuple[Diagram, dict[str, Scope]]:
     """Give every block its names, and what masks change in the blocks inside them.
 
     The names that a block may use are those of its own mask, evaluated with the names around it,
     then those around it. A subsystem comes before the blocks inside it. Inside a model to which
-    this one refers are the variables of its own workspace, and no names of the masks around.
+    this one refers are the variables of its own workspace, and no names of the masks around. The
+    mask of a file as a whole is that of the block ``masked``.
 
     Returns
     -------
@@ -141,6 +142,9 @@ def settled(
     changes: dict[str, dict[str, str]] = {}
     blocks: dict[str, DrawnBlock] = {}
     paths = {block.path: block for block in diagram.blocks.values()}
+    if masked is not None:
+        top = Scope(top.variables, masked, top, paths)
+        changes.update(top.changes)
     for sid, drawn in diagram.blocks.items():
         block = _changed(drawn, changes.get(drawn.path, {}))
         around = inside.get(block.system) or scopes.get(block.system, top)
@@ -148,7 +152,7 @@ def settled(
         scope = Scope(around.variables, block, around, paths) if masked else around
         if sid in diagram.models:
             inside[sid] = Scope(variables_inside(diagram.models[sid], top.variables))
-        if masked and (block.mask.promoted or "set_param" in block.mask.code):
+        if masked and (block.mask.promoted or top.variables.workspace.changes(block.mask.code)):
             for path, texts in scope.changes.items():
                 changes.setdefault(path, {}).update(texts)
         blocks[sid], scopes[sid] = block, scope
@@ -201,7 +205,7 @@ class _Handle:
         """Text of a parameter, or its value as ``value@name``; None where there is none."""
         if path == self.path and name.startswith("value@"):
             return self._values.get(name.removeprefix("value@"))
-        block = self._block if path == self.path else self._paths.get(path)
+        block = self._block if path == self.path else self._paths.get(self._known(path))
         if block is None:
             return None
         return block.mask.values.get(name, block.texts.get(name))
@@ -209,7 +213,30 @@ class _Handle:
     def set(self, path: str, name: str, text: str) -> None:
         """Change a parameter of a block inside."""
         if path.startswith(f"{self.path}/"):
-            self.changes.setdefault(path, {})[name] = text
+            self.changes.setdefault(self._known(path), {})[name] = text
+
+    def found(self, path: str, wanted: Mapping[str, str]) -> list[str]:
+        """Paths of a block and those inside it whose parameters have these texts."""
+        start = self._known(path)
+        inside = [
+            block
+            for place, block in self._paths.items()
+            if not start or place == start or place.startswith(f"{start}/")
+        ]
+        return [
+            block.path if self.path else f"/{block.path}"
+            for block in inside
+            if all(_property(block, name) == text for name, text in wanted.items())
+        ]
+
+    def _known(self, path: str) -> str:
+        """Path by which a block is known: that of a file's own mask is empty."""
+        return path if self.path else path.removeprefix("/")
+
+
+def _property(block: DrawnBlock, name: str) -> str | None:
+    named = {"Name": block.name, "BlockType": block.type, "MaskType": block.mask.type}
+    return named.get(name, block.mask.values.get(name, block.texts.get(name)))
 
 
 def _mask_values(block: DrawnBlock, around: Scope, paths: Mapping[str, DrawnBlock]) -> _Settled:

@@ -1,7 +1,7 @@
 """What lies in other files: library blocks, models, subsystems."""
 
 import pytest
-from slx_writer import ModelBuilder, mask_text, read_understood
+from slx_writer import ModelBuilder, mask_text, read_understood, write_parts
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.lacks import lacks_of
@@ -102,6 +102,43 @@ def test_a_whole_file_is_a_subsystem(tmp_path, kind, texts):
     model = read_understood(user(kind, texts).write(tmp_path / "m.slx"))
     assert gains(model) == [4.0]
     assert len(flatten(model).wires) == 2
+
+
+def masked_part(tmp_path):
+    """Write a subsystem in a file of its own, whose mask's script sets what is inside."""
+    part = ModelBuilder()
+    fill(part, "", "2*L + extra")
+    inner = part.add_block("SubSystem", "Stage")
+    part.blocks[inner].mask = mask_text({"stroke": "0"})
+    part.add_block("Gain", "Inner", {"Gain": "stroke"}, system=inner)
+    parts = part.parts()
+    mask = mask_text({"L": "5", "extra": "1"}, "initialize_part")
+    parts["simulink/modelMask.xml"] = mask
+    whole = "simulink/blockdiagram.xml"
+    parts[whole] = parts[whole].replace("Model>", "Subsystem>")
+    (tmp_path / "initialize_part.m").write_text(
+        "here = gcb;\nmask = Simulink.Mask.get(here);\nlength = mask.getParameter('L');\n"
+        "stages = find_system(here, 'LookUnderMasks', 'all', 'Name', 'Stage');\n"
+        "for k = 1:numel(stages)\n  set_param(stages{k}, 'stroke', length.Value);\nend\n"
+        "extra = 10;\nresize(handle=getSimulinkBlockHandle(here));\n"
+    )
+    return write_parts(tmp_path / "part.slx", parts)
+
+
+def test_a_subsystem_in_a_file_has_a_mask_of_its_own(tmp_path):
+    path = masked_part(tmp_path)
+    assert gains(read_understood(path)) == [20.0, 5.0]
+    texts = {"ReferencedSubsystem": "part"}
+    for own, found in (({}, [20.0, 5.0]), ({"L": "7"}, [24.0, 7.0])):
+        outer = user("SubSystem", texts | own).write(tmp_path / "m.slx")
+        assert gains(read_understood(outer)) == found
+
+
+def test_what_lacks_in_the_mask_of_a_file_is_named(tmp_path):
+    path = masked_part(tmp_path)
+    (tmp_path / "initialize_part.m").write_text("extra = unknown_size;")
+    (lack,) = lacks_of(read_model(path))
+    assert "set by the mask initialization of the file 'part'" in lack.reason
 
 
 def test_a_model_in_a_model_has_a_workspace_of_its_own(tmp_path):

@@ -197,9 +197,9 @@ class ExpressionParser:
         while self.accept(";", "\n"):
             pass
         if not self.accept(closing):
-            arguments.append(self._argument())
+            arguments += self._given(closing)
             while self.accept(","):
-                arguments.append(self._argument())
+                arguments += self._given(closing)
             while self.accept(";"):
                 pass
             self.expect(closing)
@@ -213,6 +213,15 @@ class ExpressionParser:
         if not self.accept("("):
             return self._parts(syntax.Name(name=name))
         return self._parts(syntax.Apply(name=name, arguments=self._arguments(")")))
+
+    def _given(self, closing: str) -> list[syntax.Expression]:
+        """Read an argument; an option that is given by ``name=value`` is two."""
+        after = self._tokens[min(self._at + 1, len(self._tokens) - 1)]
+        if closing == ")" and self.next.kind == "name" and after[:2] == ("symbol", "="):
+            name = self.take().text
+            self.take()
+            return [syntax.Text(text=name, string=True), self.expression()]
+        return [self._argument()]
 
     def _argument(self) -> syntax.Expression:
         after = self._tokens[min(self._at + 1, len(self._tokens) - 1)].text

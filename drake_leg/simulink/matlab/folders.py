@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from drake_leg.errors import InvalidValueError
@@ -18,6 +20,7 @@ SCRIPTS = (".m", ".mlx")  # of two of the same name, the first is taken
 SCRIPT_BYTES = 5_000_000
 MOST_FILES = 50_000  # files and folders that are looked through
 _LONGEST = 500  # letters of a file's name
+_WORD = re.compile(r"[A-Za-z]\w{0,62}")
 _LEFT_OUT = ("slprj", "node_modules", "__pycache__")
 
 
@@ -117,6 +120,16 @@ class Folders:
         if path not in self._parsed:
             self._parsed[path] = parsed(text_of(path), path.name)
         return self._parsed[path]
+
+    def texts_named_in(self, code: str) -> list[str]:
+        """Texts of the scripts and functions in files that a text names, each once."""
+        words = dict.fromkeys(_WORD.findall(code))
+        paths = dict.fromkeys(self.file(f"{word}.m") for word in words)
+        found = []
+        for path in filter(None, paths):
+            with suppress(InvalidValueError):
+                found.append(text_of(path))
+        return found
 
     def function(self, name: str, beside: Path | None, *, known: bool) -> File | None:
         """Find the file of a function; one of a known name only where MATLAB would surely see it.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, MutableMapping
+from collections.abc import Iterable, Mapping, MutableMapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -73,6 +73,9 @@ class MaskedBlock(Protocol):
 
     def set(self, path: str, name: str, text: str) -> None:
         """Change a parameter of a block inside."""
+
+    def found(self, path: str, wanted: Mapping[str, str]) -> list[str]:
+        """Paths of a block and those inside it whose parameters have these texts."""
 
 
 class Host(Protocol):

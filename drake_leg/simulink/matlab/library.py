@@ -207,8 +207,8 @@ _PICTURES = (
 )
 _MODELS = (
     "add_block add_line bdclose close_system delete_block delete_line find_system gcb gcs "
-    "get_param linearize linio load_system mechExplorer new_system open_system save_system "
-    "set_param sim simset simulink sldemo slLibraryBrowser smimport"
+    "get_param getSimulinkBlockHandle linearize linio load_system mechExplorer new_system "
+    "open_system save_system set_param sim simset simulink sldemo slLibraryBrowser smimport"
 )
 _ASKED = "ginput guide input inputdlg keyboard menu msgbox questdlg uigetdir uigetfile uiputfile"
 _SYSTEM = (

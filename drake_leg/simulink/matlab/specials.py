@@ -212,6 +212,23 @@ def _set_param(self: Interpreter, arguments: Values, wanted: int, frame: Frame) 
     return []
 
 
+_SEARCHED = ("followlinks", "lookundermasks", "lookinsidesubsystemreference", "matchfilter")
+_SEARCHED += ("includecommented", "casesensitive", "findall", "variants")
+
+
+def _find_system(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``find_system``: paths of blocks inside a mask, those of all variants."""
+    block = _masked(self, "find_system")
+    path, *pairs = arguments or [block.path]
+    names = [str(name) for name in pairs[::2]]
+    if not isinstance(path, str) or len(pairs) % 2 or {"SearchDepth", "RegExp"} & set(names):
+        raise LackError("'find_system' finds blocks by pairs of names and texts only")
+    texts = dict(zip(names, pairs[1::2], strict=True))
+    texts = {name: text for name, text in texts.items() if name.lower() not in _SEARCHED}
+    found = block.found(str(path), {name: str(text) for name, text in texts.items()})
+    return [Cell(_folded(list(found), (len(found), 1)))]
+
+
 def _mask_object(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
     """``Simulink.Mask.get(gcb)``: an object whose parameters can be read."""
     _masked(self, "gcb")
@@ -236,6 +253,7 @@ SPECIAL: Mapping[str, Special] = {
     "gcb": _current_block,
     "get_param": _get_param,
     "set_param": _set_param,
+    "find_system": _find_system,
     "Simulink.Mask.get": _mask_object,
     _MASK_PARAMETER: _mask_parameter,
     "bdroot": _model_name,

@@ -87,6 +87,7 @@ class Workspace:
         self._lost_here: dict[str, str] = {}
         self._at_run: tuple[dict[str, Any], dict[str, str]] | None = None  # as a script runs it
         self._masked: MaskedBlock | None = None
+        self._changing: dict[str, bool] = {}  # texts of scripts: whether they set parameters
         for path in near:
             self.folders.add(path)
         for path in paths:
@@ -205,6 +206,15 @@ class Workspace:
         for name in variables:
             self.lacking.pop(name, None)
             self._lost_here.pop(name, None)
+
+    def changes(self, code: str) -> bool:
+        """Whether the text of a script, or of files that it names, sets parameters of blocks."""
+        if code not in self._changing:
+            self._changing[code] = False  # while it is looked at
+            self._changing[code] = "set_param" in code or any(
+                self.changes(text) for text in self.folders.texts_named_in(code)
+            )
+        return self._changing[code]
 
     def evaluate(self, expression: str, *, local: Mapping[str, Any] | None = None) -> Any:  # noqa: ANN401
         """Evaluate an expression with the variables, and with others before them.

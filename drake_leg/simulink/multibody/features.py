@@ -77,6 +77,27 @@ def extrusion_feature(name: str, section: Array, length: float, centroid: Array)
     return Feature(center=np.append(middle, height), normal=outward if match[1] == "side" else None)
 
 
+def revolution_feature(name: str, section: Array) -> Feature:
+    """Find ``side surface 2`` of a full revolution about z: a flat ring, or a cylinder.
+
+    ``section`` (n, 2) [m], x and z, has the material on its left. Side surface k is made by the
+    line from its point k to the next one, counted from 1.
+    """
+    match = _NUMBERED.fullmatch(name)
+    if match is None or match[1] != "side" or match[2] != "surface":
+        raise _unknown(name)
+    number = int(match[3])
+    if not 1 <= number <= len(section):
+        raise _unknown(name)
+    here, after = section[number - 1], section[number % len(section)]
+    if here[1] == after[1]:
+        up = np.array([0.0, 0.0, np.sign(here[0] - after[0])])
+        return Feature(center=np.array([0.0, 0.0, here[1]]), normal=up)
+    if here[0] == after[0]:
+        return Feature(center=np.array([0.0, 0.0, (here[1] + after[1]) / 2.0]))
+    raise _unknown(name)
+
+
 def _unknown(name: str) -> InvalidValueError:
     return InvalidValueError(
         f"it has no {name!r} that is known: place the frame by another feature"

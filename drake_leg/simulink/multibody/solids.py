@@ -17,6 +17,7 @@ from drake_leg.simulink.multibody.features import (
     brick_feature,
     cylinder_feature,
     extrusion_feature,
+    revolution_feature,
 )
 from drake_leg.simulink.multibody.frames import read_frames
 from drake_leg.simulink.multibody.mass import Array, MassProperties
@@ -105,7 +106,9 @@ class Revolution:
 
     def feature(self, name: str) -> Feature:
         """Find a face, an edge or a corner by its name."""
-        raise InvalidValueError(f"it has no {name!r} that is known: place the frame by R")
+        if self.angle < math.tau:
+            raise InvalidValueError(f"it has no {name!r} that is known: place the frame by R")
+        return revolution_feature(name, self.section)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -241,6 +241,15 @@ def test_a_text_that_is_run_sets_variables_and_has_a_line():
     assert found.source["leg"] == "s.m, line 3"
 
 
+def test_options_may_be_given_by_an_equals_sign():
+    found = ran(
+        "y = g(1, way='fast', k=3);\nz = g(2);\n"
+        "function y = g(a, o)\narguments\n  a\n  o.way = 'slow'\n  o.k = 1\nend\n"
+        "y = [a o.k strcmp(o.way, 'fast')];\nend"
+    )
+    assert found.evaluate("[y; z]").tolist() == [[1, 3, 1], [2, 1, 0]]
+
+
 def test_a_text_in_a_function_sets_its_own_variables():
     found = ran("y = f(2);\nfunction y = f(x)\neval('y = 3*x;');\nend")
     assert found.variables["y"] == 6

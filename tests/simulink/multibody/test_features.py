@@ -9,6 +9,7 @@ from drake_leg.simulink.multibody.features import (
     brick_feature,
     cylinder_feature,
     extrusion_feature,
+    revolution_feature,
 )
 
 EDGES = (2.0, 4.0, 6.0)
@@ -62,6 +63,19 @@ def test_extrusion(name, center, normal):
         np.testing.assert_allclose(found.normal, normal, atol=1e-15)
 
 
+WHEEL = np.array([[1.0, 0.5], [2.0, 0.5], [2.0, 1.5], [1.5, 2.0], [1.0, 2.0]])
+
+
+@pytest.mark.parametrize(
+    ("number", "height", "normal"),
+    [(1, 0.5, -1), (2, 1.0, None), (4, 2.0, 1), (5, 1.25, None)],
+)
+def test_revolution(number, height, normal):
+    found = revolution_feature(f"side surface {number}", WHEEL)
+    assert tuple(found.center) == (0.0, 0.0, height)
+    assert (found.normal is None) if normal is None else tuple(found.normal) == (0, 0, normal)
+
+
 def test_balls_have_one_surface():
     assert not ball_feature("surface").center.any()
 
@@ -75,6 +89,9 @@ def test_balls_have_one_surface():
         lambda: extrusion_feature("side surface 5", SQUARE, 0.5, CENTROID),
         lambda: extrusion_feature("side surface 0", SQUARE, 0.5, CENTROID),
         lambda: extrusion_feature("+z surface", SQUARE, 0.5, CENTROID),
+        lambda: revolution_feature("side surface 3", WHEEL),  # a cone
+        lambda: revolution_feature("side surface 6", WHEEL),
+        lambda: revolution_feature("top surface", WHEEL),
     ],
 )
 def test_what_is_not_there_is_named(find):
