@@ -27,11 +27,11 @@ from drake_leg.simulink.matlab.data import (
 from drake_leg.simulink.matlab.frames import File, Frame, Host, Kept, Memory, Values
 from drake_leg.simulink.matlab.indexing import ALL, columns, last, read
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
-from drake_leg.simulink.matlab.names import assigned, called, first_of, path_of
+from drake_leg.simulink.matlab.names import assigned, called, first_of, path_of, places
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.random import Generator
 from drake_leg.simulink.matlab.specials import COMMANDS, SPECIAL
-from drake_leg.simulink.matlab.writing import write_target
+from drake_leg.simulink.matlab.writing import without, write_target
 
 # ruff: noqa: ANN401 - any value of a script
 
@@ -68,11 +68,18 @@ class Interpreter:
         return None
 
     def _leave_out(self, statement: syntax.Statement, frame: Frame, reason: str) -> None:
-        names = set(assigned((statement,)))
-        for name in names:
-            frame.values.pop(name, None)
-        self.host.lost(names, frame, reason)
-        self.host.skip(", ".join(sorted(names)) or "a statement", frame, reason)
+        named = set(places((statement,)))
+        lost = set(named)
+        for path in named:
+            name, *fields = path.split(".")
+            known = frame.values.get(name)
+            if fields and isinstance(known, Struct):
+                frame.values[name] = without(known, fields)
+            else:
+                frame.values.pop(name, None)
+                lost.add(name)
+        self.host.lost(lost, frame, reason)
+        self.host.skip(", ".join(sorted(named)) or "a statement", frame, reason)
 
     def _statement(self, statement: syntax.Statement, frame: Frame) -> str | None:
         match statement:

@@ -62,26 +62,34 @@ def path_of(node: syntax.Expression) -> str:
 
 def assigned(statements: tuple[syntax.Statement, ...]) -> Iterator[str]:
     """Names of the variables that statements may set."""
+    return (place.partition(".")[0] for place in places(statements))
+
+
+def places(statements: tuple[syntax.Statement, ...]) -> Iterator[str]:
+    """Variables that statements may set; by an assignment to a field, the field: ``leg.mass``."""
     for statement in statements:
         match statement:
             case syntax.Assign(targets=targets):
-                yield from (target.name for target in targets if target.name != "~")
+                for target in targets:
+                    inside = path_of(target.to) if isinstance(target, syntax.Place) else ""
+                    if target.name != "~":
+                        yield inside or target.name
             case syntax.If(branches=branches, otherwise=otherwise):
                 for _, _, body in branches:
-                    yield from assigned(body)
-                yield from assigned(otherwise)
+                    yield from places(body)
+                yield from places(otherwise)
             case syntax.Switch(cases=cases, otherwise=otherwise):
                 for _, _, body in cases:
-                    yield from assigned(body)
-                yield from assigned(otherwise)
+                    yield from places(body)
+                yield from places(otherwise)
             case syntax.For(variable=variable, body=body):
                 yield variable
-                yield from assigned(body)
+                yield from places(body)
             case syntax.While(body=body):
-                yield from assigned(body)
+                yield from places(body)
             case syntax.Try(body=body, error=error, handler=handler):
-                yield from assigned(body)
-                yield from assigned(handler)
+                yield from places(body)
+                yield from places(handler)
                 if error:
                     yield error
             case syntax.Declare(names=names):

@@ -237,7 +237,9 @@ class Workspace:
                 return self._interpreter.value(node, frame)
         except LackError as lack:
             if lack.names:
-                raise UnknownValueError(str(lack), names=lack.names) from None
+                why = self.lacking.get(lack.names[0])
+                said = f"{lack} ({why})" if why else str(lack)
+                raise UnknownValueError(said, names=lack.names) from None
             raise InvalidValueError(str(lack)) from None
         except MatlabError as fault:
             raise InvalidValueError(str(fault)) from None

@@ -127,6 +127,17 @@ def put(
     return write(old, indices, put(part, rest, value, budget, remove=remove), budget)
 
 
+def without(old: Struct, fields: Sequence[str]) -> Struct:
+    """Return a structure without a field, or a field of a field; the old one is left as it was."""
+    made = Struct(old)
+    inner = made.get(fields[0])
+    if len(fields) > 1 and isinstance(inner, Struct):
+        made[fields[0]] = without(inner, fields[1:])
+    else:
+        made.pop(fields[0], None)
+    return made
+
+
 def _put_inside(
     old: Any,
     indices: Values,
