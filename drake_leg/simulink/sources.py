@@ -10,6 +10,7 @@ from typing import Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.file import SimulinkFile
+from drake_leg.simulink.matlab.folders import MODELS
 from drake_leg.simulink.matlab.matfiles import read_struct
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.workspace import Workspace
@@ -20,7 +21,6 @@ _BEFORE = ("PreLoadFcn", "PostLoadFcn")  # callbacks that MATLAB runs before a p
 _AFTER = ("InitFcn",)
 _NAME = re.compile(r"[A-Za-z]\w{0,62}")
 SCRIPTS = (".m", ".mlx", ".mat")
-MODELS = (".slx", ".mdl")
 
 
 @dataclass(frozen=True, kw_only=True)

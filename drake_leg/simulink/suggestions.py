@@ -12,6 +12,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.lacks import Lack, lacks_of
 from drake_leg.simulink.matlab import syntax
+from drake_leg.simulink.matlab.checking import walked
 from drake_leg.simulink.matlab.folders import SCRIPTS, Folders, text_of
 from drake_leg.simulink.matlab.matfiles import names_of_mat, read_struct
 from drake_leg.simulink.matlab.names import assigned
@@ -22,6 +23,7 @@ MOST_SCRIPTS = 3
 MOST_MODELS = 100  # whose workspaces are looked into
 _SHORT = 4_000  # letters; a longer script does more than run others
 _GOODNESS = {".slx": 0, ".mat": 1, **dict.fromkeys(SCRIPTS, 2)}
+_STARTS = "startup"  # name of a script that a project runs when it is opened
 _DEPTH = 4  # scripts that scripts run
 
 
@@ -37,9 +39,10 @@ class Suggestion:
 def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
     """Find the file beside the model, or in its folders, that sets most of what it lacks.
 
-    Of several that set as many: a script rather than a .mat file, one that sets them itself rather
-    than one that only runs it, and the one nearest to the model. Those that are as good but for
-    that are its ``others``. What a library lacks may lie in the workspace of a model, too.
+    Of several that set as many: a script rather than a .mat file, one that a project runs when it
+    is opened, one that sets them itself rather than one that only runs it, and the one nearest to
+    the model. Those that are as good but for that are its ``others``. What a library lacks may lie
+    in the workspace of a model, too.
     """
     missing = _missing(lacks)
     if not missing or model.variables is None:
@@ -47,13 +50,15 @@ def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
     folders = model.variables.workspace.folders
     done = set(model.variables.init)
     reader = _Reader(folders, set(missing))
-    ranked: dict[tuple[int, int, int], list[Path]] = {}  # how good -> files, the nearest first
-    models = folders.ending(".slx")[:MOST_MODELS] if model.variables.is_lent else []
+    ranked: dict[tuple[int, int, bool, int], list[Path]] = {}  # the best last, nearest first
+    models = list(filter(folders.is_near, folders.ending(".slx")))[:MOST_MODELS]
+    models = models if model.variables.is_lent else []
     files = (path for ending in (*SCRIPTS, ".mat") for path in folders.ending(ending))
     for path in (*files, *models):
         sets = reader.sets(path) if path.resolve() not in done else set()
         if sets:
-            rank = (len(sets), _GOODNESS[path.suffix], len(reader.own[path]))
+            opens = path.stem.lower().startswith(_STARTS)
+            rank = (len(sets), _GOODNESS[path.suffix], opens, len(reader.own[path]))
             ranked.setdefault(rank, []).append(path)
     if not ranked:
         return None
@@ -132,7 +137,7 @@ class _Reader:
         self.own[path] = self._wanted & {*assigned(tree.statements), *_fields(tree.statements)}
         found = set(self.own[path])
         if depth < _DEPTH:
-            for statement in tree.statements:
+            for statement, _ in walked(tree.statements):
                 for inner in self._run_by(statement, path):
                     found |= self.sets(inner, depth + 1)
         return found

@@ -287,6 +287,18 @@ def test_the_script_that_sets_most_is_suggested(tmp_path):
     assert suggested(path).path.name == "more.m"
 
 
+def test_a_script_of_a_project_is_suggested_before_one_that_sets_as_many(tmp_path):
+    (tmp_path / "sweep.m").write_text("m1 = 1; m2 = 2;")
+    (tmp_path / "values.m").write_text("m1 = 3; m2 = 4;")
+    (tmp_path / "startup_robot.m").write_text("go = 1;\nif go\n  values\n  m\nend")
+    path = one_gain("m1*m2").write(tmp_path / "m.slx")
+    (tmp_path / "html").mkdir()
+    (tmp_path / "html" / "m.m").write_text("m1 = 100;")
+    found = suggested(path, paths=[tmp_path])
+    assert found.path.name == "startup_robot.m"
+    assert gain(path, init=[found.path], paths=[tmp_path])[0] == 12.0
+
+
 def test_a_script_that_sets_the_fields_is_suggested_before_another(tmp_path):
     (tmp_path / "a.m").write_text("leg.other = 1;")
     (tmp_path / "b.m").write_text("leg.mass = 1;")

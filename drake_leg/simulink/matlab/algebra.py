@@ -137,25 +137,6 @@ def _product(symbol: str) -> Known:
     return lambda budget, wanted, left, right: combined(symbol, left, right, budget)
 
 
-def _interp1(x: Any, y: Any, at: Any, *options: Any) -> Any:
-    a, b, q = numbers_of(x).ravel(), numbers_of(y), numbers_of(at)
-    kinds = [option for option in options if isinstance(option, str) and option != "extrap"]
-    if any(kind != "linear" for kind in kinds):
-        raise LackError(f"interp1 by '{kinds[0]}' is not known here")
-    if b.size != a.size:
-        raise LackError("interp1 of several columns is not known here")
-    if a.size < 2:
-        raise MatlabError("interp1 needs two points at least")
-    order = np.argsort(a, kind="stable")
-    a, b = a[order], b.ravel()[order]
-    found = np.interp(q, a, b, left=np.nan, right=np.nan)
-    low, high = q < a[0], q > a[-1]
-    if "extrap" in options:
-        found[low] = b[0] + (q[low] - a[0]) * (b[1] - b[0]) / (a[1] - a[0])
-        found[high] = b[-1] + (q[high] - a[-1]) * (b[-1] - b[-2]) / (a[-1] - a[-2])
-    return settled(found)
-
-
 def _trapz(x: Any, y: Any = None) -> Any:
     b = numbers_of(x if y is None else y)
     places = None if y is None else numbers_of(x).ravel()
@@ -256,7 +237,6 @@ ALGEBRA: dict[str, Known] = {
     "mrdivide": _product("/"),
     "mldivide": _product("\\"),
     "mpower": _product("^"),
-    "interp1": of_values(_interp1),
     "trapz": of_values(_trapz),
     "cumtrapz": of_values(_running_trapz),
     "lyap": _lyap,

@@ -1,7 +1,8 @@
-"""Piecewise polynomials and moving averages of MATLAB."""
+"""Piecewise polynomials, interpolation, moving averages and round surfaces of MATLAB."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from drake_leg.simulink.matlab.data import (
     settled,
 )
 from drake_leg.simulink.matlab.inputs import axis_of, whole
-from drake_leg.simulink.matlab.numeric import MatlabError
+from drake_leg.simulink.matlab.numeric import MatlabError, span
 
 # ruff: noqa: ANN401 - any value of a script
 
@@ -108,7 +109,94 @@ def _moving(values: Any, window: Any, axis: Any = None) -> Any:
     return settled(np.moveaxis((sums[last] - sums[first]) / counts, 0, along))
 
 
+def _interp1(budget: Allowance, wanted: int, x: Any, y: Any, *rest: Any) -> Any:
+    """Values between points: of one curve, in the shape of the places, or of each column."""
+    if not rest or isinstance(rest[0], str):
+        x, y, rest = numbers_of(span(1.0, 1.0, float(len(_curves(x))), budget.room)), x, (y, *rest)
+    at, options = numbers_of(rest[0]), [str(option) for option in rest[1:]]
+    kinds = [option for option in options if option != "extrap"] or ["linear"]
+    rule = _RULES.get(kinds[0].lower())
+    if rule is None or len(options) - options.count("extrap") > 1:
+        raise LackError(f"interp1 by {', '.join(map(repr, kinds))} is not known here")
+    places, curves = numbers_of(x).ravel(), _curves(y)
+    order = np.argsort(places, kind="stable")
+    if places.size < 2 or len(curves) != places.size or np.any(np.diff(places[order]) == 0.0):
+        raise MatlabError("interp1 needs two points at least, all at different places")
+    budget.work(float(at.size) * curves.shape[1])
+    beyond = "extrap" in options or kinds[0].lower() in _EXTENDED
+    inside = (at.ravel() >= places.min()) & (at.ravel() <= places.max())
+    found = [
+        np.where(beyond | inside, rule(places[order], curve[order], at.ravel()), np.nan)
+        for curve in curves.T
+    ]
+    return settled(np.column_stack(found) if len(found) > 1 else found[0].reshape(at.shape))
+
+
+def _curves(y: Any) -> NDArray[np.float64]:
+    values = numbers_of(y)
+    return values.reshape(-1, 1) if min(values.shape) == 1 else values
+
+
+def _lines(x: NDArray[np.float64], y: NDArray[np.float64], at: NDArray[np.float64]) -> Any:
+    place = np.clip(np.searchsorted(x, at, side="right") - 1, 0, x.size - 2)
+    share = (at - x[place]) / (x[place + 1] - x[place])
+    return np.where(at == x[place + 1], y[place + 1], y[place] + share * (y[place + 1] - y[place]))
+
+
+def _steps(round_up: float) -> Callable[..., Any]:
+    """Rule that takes the value at one of both ends: that after a share of the way, or at all."""
+
+    def rule(x: NDArray[np.float64], y: NDArray[np.float64], at: NDArray[np.float64]) -> Any:
+        place = np.clip(np.searchsorted(x, at, side="right") - 1, 0, x.size - 2)
+        share = (at - x[place]) / (x[place + 1] - x[place])
+        return y[np.clip(place + (share >= round_up) + (share > 1.0), 0, x.size - 1)]
+
+    return rule
+
+
+def _by(curve: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda x, y, at: numbers_of(curve(x[None, :], y[None, :], at[None, :])).ravel()
+
+
+_EXTENDED = ("spline", "pchip", "cubic")  # which go on beyond their ends
+_RULES: dict[str, Callable[..., Any]] = {
+    "linear": _lines,
+    "nearest": _steps(0.5),
+    "previous": _steps(1.0),
+    "next": _steps(float(np.nextafter(0.0, 1.0))),
+    "spline": _by(_spline),
+    "pchip": _by(_pchip),
+    "cubic": _by(_pchip),
+}
+
+
+def _cylinder(budget: Allowance, wanted: int, radii: Any = 1.0, count: Any = 20.0) -> Any:
+    """Points of a surface of revolution of height 1, round by round."""
+    r, n = numbers_of(radii).ravel(), whole(count)
+    r = np.repeat(r, 2) if r.size == 1 else r
+    budget.room(3.0 * r.size * (n + 1))
+    turn = 2.0 * np.pi * np.arange(n + 1) / n
+    sines = np.append(np.sin(turn[:-1]), 0.0)
+    heights = np.linspace(0.0, 1.0, r.size)[:, np.newaxis] * np.ones(n + 1)
+    found = (np.outer(r, np.cos(turn)), np.outer(r, sines), heights)
+    return tuple(map(settled, found))[:wanted]
+
+
+def _sphere(budget: Allowance, wanted: int, count: Any = 20.0) -> Any:
+    """Points of a sphere of radius 1, from pole to pole."""
+    n = whole(count)
+    budget.room(3.0 * (n + 1) ** 2)
+    turn, up = np.linspace(-np.pi, np.pi, n + 1), np.linspace(-np.pi / 2, np.pi / 2, n + 1)
+    around, sines = np.cos(up), np.sin(turn)
+    around[[0, -1]], sines[[0, -1]] = 0.0, 0.0
+    found = (np.outer(around, np.cos(turn)), np.outer(around, sines))
+    return tuple(map(settled, (*found, np.outer(np.sin(up), np.ones(n + 1)))))[:wanted]
+
+
 CURVES: dict[str, Known] = {
+    "interp1": _interp1,
+    "cylinder": _cylinder,
+    "sphere": _sphere,
     "spline": of_values(_spline),
     "pchip": of_values(_pchip),
     "ppval": of_values(_ppval),

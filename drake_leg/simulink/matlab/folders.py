@@ -19,6 +19,7 @@ from drake_leg.simulink.matlab.syntax import tokenize
 SCRIPTS = (".m", ".mlx")  # of two of the same name, the first is taken
 SCRIPT_BYTES = 5_000_000
 MOST_FILES = 50_000  # files and folders that are looked through
+MODELS = (".slx", ".mdl")
 _LONGEST = 500  # letters of a file's name
 _WORD = re.compile(r"[A-Za-z]\w{0,62}")
 _LEFT_OUT = ("slprj", "node_modules", "__pycache__")
@@ -85,6 +86,10 @@ class Folders:
         found = self._named(name)
         return found[0] if found else None
 
+    def has_model(self, name: str) -> bool:
+        """Whether a name is that of a model."""
+        return any(self.file(f"{name}{ending}") is not None for ending in MODELS)
+
     def ending(self, end: str) -> list[Path]:
         """List the files whose names have an end."""
         near = [path for folder in self._near for path in sorted(folder.glob(f"*{end}"))]
@@ -124,7 +129,7 @@ class Folders:
     def texts_named_in(self, code: str) -> list[str]:
         """Texts of the scripts and functions in files that a text names, each once."""
         words = dict.fromkeys(_WORD.findall(code))
-        paths = dict.fromkeys(self.file(f"{word}.m") for word in words)
+        paths = dict.fromkeys(self.code(word) for word in words)
         found = []
         for path in filter(None, paths):
             with suppress(InvalidValueError):
@@ -175,7 +180,7 @@ def _is_there(path: Path) -> bool:
 
 
 def _walked(root: Path) -> Iterator[Path]:
-    """Files that scripts use in a folder and all inside it, those above first."""
+    """Files that scripts name in a folder and all inside it, those above first."""
     folders, seen = [root], 0
     while folders:
         below: list[Path] = []
@@ -193,7 +198,7 @@ def _walked(root: Path) -> Iterator[Path]:
                 if entry.is_dir():
                     if not entry.name.startswith((".", "@")) and entry.name not in _LEFT_OUT:
                         below.append(entry)
-                elif entry.suffix.lower() in (*SCRIPTS, ".mat"):
+                elif entry.suffix.lower() in (*SCRIPTS, ".mat", *MODELS):
                     yield entry
         folders = below
 

@@ -23,6 +23,7 @@ from drake_leg.simulink.matlab.inputs import of_array, of_two, scalar, whole
 from drake_leg.simulink.matlab.operators import EACH
 from drake_leg.simulink.matlab.records import RECORDS
 from drake_leg.simulink.matlab.rotations import ROTATIONS
+from drake_leg.simulink.matlab.surroundings import SURROUNDINGS
 from drake_leg.simulink.matlab.texts import TEXTS
 from drake_leg.simulink.matlab.transfers import TRANSFERS
 
@@ -190,6 +191,7 @@ KNOWN: dict[str, Known] = {
     **RECORDS,
     **{name: of_values(function) for name, function in ROTATIONS.items()},
     **TEXTS,
+    **SURROUNDINGS,
 }
 
 _QUIET = (

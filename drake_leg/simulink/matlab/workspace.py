@@ -289,7 +289,10 @@ class Workspace:
         return self._function(name, file.folder)
 
     def run_beside(self, name: str, frame: Frame) -> bool:
-        """Run the script of that name in a frame, if there is one."""
+        """Run the script of that name in a frame, if there is one; a model of it is not opened."""
+        if name == self.model or self.folders.has_model(name):
+            self.skip(name, frame, NOT_RUN["open_system"])
+            return True
         path = self.folders.code(name, frame.file.folder)
         if path is None:
             return False

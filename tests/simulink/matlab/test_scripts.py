@@ -98,6 +98,15 @@ OCTAVE = [
     ("r = conv([1 2],[1 3]);", "[1 5 6]"),
     ("r = interp1([1 2 3],[10 20 30], 2.5);", "25"),
     ("r = interp1([1 2 3],[10 20 30], 4, 'linear', 'extrap');", "40"),
+    ("r = interp1([1 2 3],[10 20 30], [1 1.4 1.5 3], 'nearest');", "[10 10 20 30]"),
+    ("r = interp1([1 2 3],[10 20 30], [1 1.4 2 3]', 'previous');", "[10;10;20;30]"),
+    ("r = interp1([1 2 3],[10 20 30], [1 1.4 2 3], 'next');", "[10 20 20 30]"),
+    ("r = interp1([1 2 3 4],[1 8 27 64], [2.5 5], 'spline');", "[15.625 125]"),
+    ("r = interp1([3 1 2],[1 2;3 4;5 6], [1.5 2.5]);", "[4 5;3 4]"),
+    ("r = interp1([10 20 30], 1.5);", "15"),
+    ("r = isnan(interp1([1 2],[1 2], [0 1 3]));", "[1 0 1]"),
+    ("[x, y, z] = cylinder([1 2], 4); r = [x(:,1) y(:,2) z(:,5)];", "[1 1 0;2 2 1]"),
+    ("[x, y, z] = sphere(2); r = [x(2,:);y(2,:);z(:,1)'];", "[-1 1 -1;0 0 0;-1 0 1]"),
     ("r = trapz([0 1 2],[0 1 4]);", "3"),
     ("r = linspace(0,1,5);", "[0 0.25 0.5 0.75 1]"),
     ("r = repmat([1 2],2,2);", "[1 2 1 2;1 2 1 2]"),
@@ -248,6 +257,30 @@ def test_options_may_be_given_by_an_equals_sign():
         "y = [a o.k strcmp(o.way, 'fast')];\nend"
     )
     assert found.evaluate("[y; z]").tolist() == [[1, 3, 1], [2, 1, 0]]
+
+
+def test_a_field_that_is_left_out_is_lost_alone():
+    found = ran(
+        "leg.mass = 2; leg.foot.size = 1;\nleg.foot.shape = unknown_shape(3);\n"
+        "leg.foot.color = 3;\nif unknown_choice, leg.mass = 5; end\narm.mass = unknown_mass;"
+    )
+    assert found.variables["leg"] == {"foot": {"size": 1.0, "color": 3.0}}
+    assert [one.what for one in found.skipped] == ["leg.foot.shape", "leg.mass", "arm.mass"]
+    with pytest.raises(
+        UnknownValueError, match=r"no field 'shape' \(line 2 of s[.]m: 'unknown_sha"
+    ):
+        found.evaluate("leg.foot.shape")
+    with pytest.raises(UnknownValueError, match=r"'arm' is not a known .* \(line 5 of s[.]m"):
+        found.evaluate("arm.mass")
+
+
+def test_no_toolbox_and_no_project_is_there():
+    found = ran(
+        "start = 1;\nif ~isempty(ver('parallel'))\n  start = isempty(getCurrentTask());\nend\n"
+        "project = currentProject;\ncd(project.RootFolder)\nlicensed = license('test', 'x');"
+    )
+    assert found.evaluate("[start licensed ispc]").tolist() == [[1, 0, 0]]
+    assert not found.skipped
 
 
 def test_a_text_in_a_function_sets_its_own_variables():
