@@ -373,7 +373,8 @@ Convex Hull, Point on Surface Constraint, Flexible Angle Beam, Flexible
 Channel Beam, Flexible Cylindrical Beam, Flexible I Beam, Flexible Rectangular Beam, Flexible T
 Beam, General Flexible Beam, General Flexible Plate, Reduced Order Flexible Solid, Variable
 Brick Solid, Variable Cylindrical Solid, Variable Spherical Solid, General Variable Mass,
-Inertia Sensor, Belt-Cable Properties, Belt-Cable End, Belt-Cable Spool, Pulley
+Inertia Sensor, Belt-Cable Properties, Belt-Cable End, Belt-Cable Spool, Pulley, Planar Contact
+Force, Line Segment
 """
 
 MULTIBODY: dict[str, Parameters] = JOINTS | _OTHERS | _ACTING | without_table(_WITHOUT_TABLE)

@@ -371,17 +371,24 @@ def _is_signal(block: Block) -> bool:
 def _has_signal(port: str, blocks: Mapping[str, Block]) -> bool:
     sid, _, number = split_port(port)
     block = blocks[sid]
-    two_frames = block.kind.endswith("Joint") or block.kind == "Transform Sensor"
-    return _is_signal(block) or (two_frames and number > 1)
+    two_frames = block.kind.endswith("Joint") or block.kind in _SENSING
+    return _is_signal(block) or (two_frames and number > (2 if block.kind == "Pulley" else 1))
 
 
-_GEOMETRY = {  # kinds of blocks, and their ports at geometries
-    "Spatial Contact Force": (BASE, FOLLOWER),
+_SENSING = ("Transform Sensor", "Planar Contact Force", "Pulley", "Belt-Cable End")
+
+
+_CURVES_AND_SURFACES = (
+    "Infinite Plane", "Point Cloud", "Spline", "Line Segment", "Grid Surface", "Point", "Disk",
+    "Convex Hull",
+)  # fmt: skip
+_GEOMETRY = {  # kinds of blocks, and their ports at geometries and belts, which are no frames
+    **dict.fromkeys(("Spatial Contact Force", "Planar Contact Force"), (BASE, FOLLOWER)),
+    "Pulley": (FOLLOWER, "rconn:2"),  # of belts
+    **dict.fromkeys(("Belt-Cable End", "Belt-Cable Spool"), (FOLLOWER,)),
+    "Belt-Cable Properties": (BASE,),
     "Point on Curve Constraint": (BASE,),
-    **dict.fromkeys(
-        ("Infinite Plane", "Point Cloud", "Spline", "Grid Surface", "Point", "Disk", "Convex Hull"),
-        (FOLLOWER,),
-    ),
+    **dict.fromkeys(_CURVES_AND_SURFACES, (FOLLOWER,)),
 }
 
 

@@ -148,11 +148,11 @@ def settled(
     for sid, drawn in diagram.blocks.items():
         block = _changed(drawn, changes.get(drawn.path, {}))
         around = inside.get(block.system) or scopes.get(block.system, top)
-        masked = block.mask.values or block.mask.code.strip()
-        scope = Scope(around.variables, block, around, paths) if masked else around
+        has_mask = block.mask.values or block.mask.code.strip()
+        scope = Scope(around.variables, block, around, paths) if has_mask else around
         if sid in diagram.models:
             inside[sid] = Scope(variables_inside(diagram.models[sid], top.variables))
-        if masked and (block.mask.promoted or top.variables.workspace.changes(block.mask.code)):
+        if has_mask and (block.mask.promoted or top.variables.workspace.changes(block.mask.code)):
             for path, texts in scope.changes.items():
                 changes.setdefault(path, {}).update(texts)
         blocks[sid], scopes[sid] = block, scope

@@ -212,8 +212,10 @@ def _set_param(self: Interpreter, arguments: Values, wanted: int, frame: Frame) 
     return []
 
 
-_SEARCHED = ("followlinks", "lookundermasks", "lookinsidesubsystemreference", "matchfilter")
-_SEARCHED += ("includecommented", "casesensitive", "findall", "variants")
+_SEARCHED = frozenset((
+    "followlinks", "lookundermasks", "lookinsidesubsystemreference", "matchfilter",
+    "includecommented", "casesensitive", "findall", "variants",
+))  # fmt: skip
 
 
 def _find_system(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:

@@ -28,17 +28,19 @@ SOLIDS = (*OF_MASS, "Graphic")
 PLACES = (
     "Reference Frame", "World Frame", "Mechanism Configuration", "Transform Sensor",
     "Infinite Plane", "Point Cloud", "Spline", "Grid Surface", "Point", "Disk", "Convex Hull",
-    "Connection Frame", "Joint Mode Configuration", "Inertia Sensor", "Rigid Transform",
+    "Line Segment", "Connection Frame", "Joint Mode Configuration", "Inertia Sensor",
+    "Rigid Transform",
 )  # fmt: skip
 FORCES = (
     "Spatial Contact Force", "External Force and Torque", "Internal Force",
     "Inverse Square Law Force", "Gravitational Field", "Spring and Damper Force",
-    "Magic Formula Tire Force and Torque",
+    "Magic Formula Tire Force and Torque", "Planar Contact Force",
 )  # fmt: skip
 CONSTRAINTS = (
     "Point on Curve Constraint", "Angle Constraint", "Distance Constraint",
     "Point on Surface Constraint", "Rack and Pinion Constraint", "Common Gear Constraint",
-    "Bevel Gear Constraint", "Worm and Gear Constraint",
+    "Bevel Gear Constraint", "Worm and Gear Constraint", "Pulley", "Belt-Cable End",
+    "Belt-Cable Spool", "Belt-Cable Properties",
 )  # fmt: skip
 KNOWN = frozenset((*SOLIDS, *PLACES, *FORCES, *CONSTRAINTS, *JOINTS))
 STANDARD_GRAVITY: tuple[float, ...] = (0.0, 0.0, -9.80665)  # [m/s^2]
