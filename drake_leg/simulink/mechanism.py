@@ -382,7 +382,7 @@ _CURVES_AND_SURFACES = (
     "Infinite Plane", "Point Cloud", "Spline", "Line Segment", "Grid Surface", "Point", "Disk",
     "Convex Hull",
 )  # fmt: skip
-_GEOMETRY = {  # kinds of blocks, and their ports at geometries and belts, which are no frames
+AT_GEOMETRY = {  # kinds of blocks, and their ports at geometries and belts, which are no frames
     **dict.fromkeys(("Spatial Contact Force", "Planar Contact Force"), (BASE, FOLLOWER)),
     "Pulley": (FOLLOWER, "rconn:2"),  # of belts
     **dict.fromkeys(("Belt-Cable End", "Belt-Cable Spool"), (FOLLOWER,)),
@@ -394,7 +394,7 @@ _GEOMETRY = {  # kinds of blocks, and their ports at geometries and belts, which
 
 def _has_geometry(port: str, blocks: Mapping[str, Block]) -> bool:
     sid, side, number = split_port(port)
-    return f"{side}:{number}" in _GEOMETRY.get(blocks[sid].kind, ())
+    return f"{side}:{number}" in AT_GEOMETRY.get(blocks[sid].kind, ())
 
 
 def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:

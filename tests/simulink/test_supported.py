@@ -8,6 +8,7 @@ from mechanism_models import MechanismBuilder
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.catalogue import MULTIBODY
 from drake_leg.simulink.dynamics.system import mechanism_dynamics
+from drake_leg.simulink.mechanism import AT_GEOMETRY
 from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES
 from drake_leg.simulink.supported import LEFT_OUT, REFUSED, in_mechanism, in_motion, page
 
@@ -59,7 +60,8 @@ def test_what_the_page_says_of_a_block_in_motion_is_so(tmp_path, kind):
         built.meet("World", f"To{name} lconn:1")
         built.meet(f"To{name}", f"J{name} lconn:1")
         built.meet(f"J{name}", f"Brick{name}")
-        touches = kind == "Spatial Contact Force" or (kind.endswith("Surface Constraint") and first)
+        touches = side in AT_GEOMETRY.get(kind, ()) and kind != "Point on Curve Constraint"
+        touches = touches or (kind.endswith("Surface Constraint") and first)
         end = f"Brick{name} lconn:1" if touches else f"J{name}"
         if kind == "Point on Curve Constraint" and first:
             built.meet(end, "Way lconn:1")

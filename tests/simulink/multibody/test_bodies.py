@@ -172,23 +172,23 @@ def test_a_model_without_a_mechanism_says_so(tmp_path):
 def test_a_belt_connects_no_frames(tmp_path):
     built = MechanismBuilder()
     for number in (1, 2):
-        built.transform(f"At {number}", offset=f"[{number} 0 0]")
-        built.joint("Revolute", f"Axle {number}")
-        built.body("Cylindrical Solid", f"Wheel {number}")
+        built.transform(f"At{number}", offset=f"[{number} 0 0]")
+        built.joint("Revolute", f"Axle{number}")
+        built.body("Cylindrical Solid", f"Wheel{number}")
         pulley = "sm_lib/Belts and Cables/Pulley"
-        built.add_library(pulley, f"Pulley {number}", {"SenseWrapAngle": "on"})
-        built.meet("World", f"At {number} lconn:1")
-        built.meet(f"At {number}", f"Axle {number} lconn:1")
-        built.meet(f"Axle {number}", f"Wheel {number}", f"Pulley {number} lconn:1")
+        built.add_library(pulley, f"Pulley{number}", {"SenseWrapAngle": "on"})
+        built.meet("World", f"At{number} lconn:1")
+        built.meet(f"At{number}", f"Axle{number} lconn:1")
+        built.meet(f"Axle{number}", f"Wheel{number}", f"Pulley{number} lconn:1")
     built.add_library("sm_lib/Belts and Cables/Belt-Cable Properties", "Belt")
-    built.meet("Pulley 1", "Pulley 2", "Belt lconn:1")
-    built.meet("Pulley 1 rconn:2", "Pulley 2 rconn:2")
+    built.meet("Pulley1", "Pulley2", "Belt lconn:1")
+    built.meet("Pulley1 rconn:2", "Pulley2 rconn:2")
     built.add_library("nesl_utility/PS-Simulink Converter", "Angle")
-    built.meet("Pulley 1 rconn:3", "Angle lconn:1")
+    built.meet("Pulley1 rconn:3", "Angle lconn:1")
     found = built.mechanism(tmp_path)
-    assert [body.name for body in found.bodies] == ["world", "Wheel_1", "Wheel_2"]
-    assert names(found.joints) == ["Axle 1", "Axle 2"]
+    assert [body.name for body in found.bodies] == ["world", "Wheel1", "Wheel2"]
+    assert names(found.joints) == ["Axle1", "Axle2"]
     assert found.connections.left_out == {
-        "Pulley": ("Pulley 1", "Pulley 2"),
+        "Pulley": ("Pulley1", "Pulley2"),
         "Belt-Cable Properties": ("Belt",),
     }
