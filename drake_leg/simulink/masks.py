@@ -86,7 +86,7 @@ def _older(mask: Element) -> Iterator[_Entry]:
             for entry in [entries, *entries]:
                 texts = parameters(entry)
                 if texts.get("Name"):
-                    options = entry.iterfind("Cell[@PropName='TypeOptions']/*")
+                    options = entry.iterfind("*[@PropName='TypeOptions']/*")
                     yield _Entry(
                         name=texts["Name"],
                         text=texts.get("Value", ""),

@@ -106,8 +106,7 @@ def variables_of(
         If what a person gives is not there or not well formed, or takes too long.
     """
     near = [file.path.parent, *(path.parent for path in given.init)]
-    workspace = Workspace(near, given.paths)
-    workspace.model = file.path.stem
+    workspace = Workspace(near, given.paths, model=file.path)
     found = Variables(workspace)
     found.init = tuple(path.resolve() for path in given.init)
     found.is_lent = not file.is_model

@@ -22,8 +22,8 @@ LAYOUTS = ["new", "old"]
 def few_steps(monkeypatch):
     """Let scripts take few steps only, so that they soon reach their budget."""
 
-    def small(near, paths):
-        return Workspace(near, paths, budget=Allowance(steps=20_000))
+    def small(near, paths, model):
+        return Workspace(near, paths, model=model, budget=Allowance(steps=20_000))
 
     monkeypatch.setattr(sources, "Workspace", small)
 
@@ -225,6 +225,19 @@ def test_choices_are_numbers_and_switches_are_true_or_false(tmp_path):
     builder.blocks[outer].mask = builder.blocks[outer].mask.replace("<Value>Hunt", "<Value>Cubic")
     (lack,) = lacks_of(read_model(builder.write(tmp_path / "m.slx")))
     assert "'Cubic': it is none of its choices, 'Linear', 'Hunt'" in lack.reason
+
+
+def test_choices_of_the_layout_of_2013_are_numbers(tmp_path):
+    builder = ModelBuilder()
+    outer = builder.add_block("SubSystem", "S")
+    builder.blocks[outer].mask = (
+        '<Object PropName="MaskObject" ClassName="Simulink.Mask"><Array PropName="Parameters">'
+        '<Object><P Name="Type">popup</P><Array PropName="TypeOptions" Type="Cell">'
+        "<Cell>Linear</Cell><Cell>Hunt</Cell></Array>"
+        '<P Name="Name">law</P><P Name="Value">Hunt</P></Object></Array></Object>'
+    )
+    builder.add_block("Gain", "K", {"Gain": "law"}, system=outer)
+    assert gain(builder.write(tmp_path / "m.slx"))[0] == 2.0
 
 
 def test_a_mask_sets_and_promotes_parameters_of_blocks_inside(tmp_path):

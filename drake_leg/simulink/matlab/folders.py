@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import suppress
+from filecmp import cmp
+from itertools import takewhile
 from pathlib import Path
 
 from drake_leg.errors import InvalidValueError
@@ -17,9 +19,9 @@ from drake_leg.simulink.matlab.parser import Parser
 from drake_leg.simulink.matlab.syntax import tokenize
 
 SCRIPTS = (".m", ".mlx")  # of two of the same name, the first is taken
+MODELS = (".slx", ".mdl")
 SCRIPT_BYTES = 5_000_000
 MOST_FILES = 50_000  # files and folders that are looked through
-MODELS = (".slx", ".mdl")
 _LONGEST = 500  # letters of a file's name
 _WORD = re.compile(r"[A-Za-z]\w{0,62}")
 _LEFT_OUT = ("slprj", "node_modules", "__pycache__")
@@ -29,11 +31,14 @@ class Folders:
     """Finds scripts, functions and .mat files by name.
 
     A name is looked for beside the script that uses it, in the ``private`` folder there, beside
-    the model, then in the given folders and all inside them, those above first. Links that lead
-    out of these folders are not followed.
+    the model, then in the given folders and all inside them. There, of several of one name, the
+    file is taken that has the shortest way from the script that uses it, or from a copy of the
+    model; else that above. Links that lead out of these folders are not followed.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, model: Path | None = None) -> None:
+        self._model = model
+        self._home: Path | None = None  # folder of a copy of the model, among the given ones
         self._near: list[Path] = []  # searched themselves
         self._deep: list[Path] = []  # searched with all inside
         self._places: dict[str, list[Path]] | None = None
@@ -84,7 +89,8 @@ class Folders:
             if folder is not None and _is_there(path := folder / name) and self._holds(path):
                 return path
         found = self._named(name)
-        return found[0] if found else None
+        start = (beside or self._home) if len(found) > 1 else None
+        return min(found, key=lambda path: _steps(start, path), default=None)
 
     def has_model(self, name: str) -> bool:
         """Whether a name is that of a model."""
@@ -112,6 +118,8 @@ class Folders:
             for root in self._deep:
                 for path in _walked(root):
                     self._places.setdefault(_key(path, root), []).append(path)
+                    if self._home is None and self._model and _is_copy(path, self._model):
+                        self._home = path.parent
         return self._places.get(name, [])
 
     def script(self, path: Path) -> syntax.Script:
@@ -180,7 +188,7 @@ def _is_there(path: Path) -> bool:
 
 
 def _walked(root: Path) -> Iterator[Path]:
-    """Files that scripts name in a folder and all inside it, those above first."""
+    """Models, and files that scripts use, in a folder and all inside it, those above first."""
     folders, seen = [root], 0
     while folders:
         below: list[Path] = []
@@ -201,6 +209,24 @@ def _walked(root: Path) -> Iterator[Path]:
                 elif entry.suffix.lower() in (*SCRIPTS, ".mat", *MODELS):
                     yield entry
         folders = below
+
+
+def _steps(start: Path | None, path: Path) -> int:
+    """Count the folders that lie between a folder and that of a file, up and down."""
+    if start is None:
+        return 0
+    here, there = start.parts, path.parent.parts
+    shared = sum(
+        1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(here, there, strict=False))
+    )
+    return len(here) + len(there) - 2 * shared
+
+
+def _is_copy(path: Path, model: Path) -> bool:
+    try:
+        return path.stat().st_size == model.stat().st_size and cmp(path, model, shallow=False)
+    except OSError:
+        return False
 
 
 def _key(path: Path, root: Path) -> str:

@@ -62,6 +62,8 @@ class Workspace:
     paths : iterable of Path, optional
         Folders that are searched with all folders inside them; nothing outside of all these is
         read.
+    model : Path, optional
+        The model that the scripts belong to.
     budget : Allowance, optional
         Steps and elements that all scripts together may take.
     """
@@ -71,6 +73,7 @@ class Workspace:
         near: Iterable[Path] = (),
         paths: Iterable[Path] = (),
         *,
+        model: Path | None = None,
         budget: Allowance | None = None,
     ) -> None:
         self.variables: dict[str, Any] = {}
@@ -79,9 +82,9 @@ class Workspace:
         self.skipped: list[Skipped] = []
         self.lacking: dict[str, str] = {}  # variables that a script would have set: why not
         self.output: list[str] = []  # what scripts print
-        self.model = ""  # name of the model that the scripts belong to
+        self.model = model.stem if model else ""  # name of that which the scripts belong to
         self.budget = budget or Allowance()
-        self.folders = Folders()
+        self.folders = Folders(model)
         self._interpreter = Interpreter(self, self.budget)
         self._running: list[str] = []
         self._lost_here: dict[str, str] = {}

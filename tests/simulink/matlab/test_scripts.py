@@ -396,6 +396,27 @@ def test_functions_and_scripts_are_found_beside_and_in_folders(tmp_path):
     assert not found.skipped
 
 
+def test_of_files_of_one_name_the_nearest_is_taken(tmp_path):
+    for release, length in (("a", 1), ("b", 2)):
+        scripts = tmp_path / "lib" / release / "scripts"
+        scripts.mkdir(parents=True)
+        (scripts / "lengths.m").write_text(f"L = scale*{length};")
+        (scripts / "first.m").write_text("lengths;")
+        (tmp_path / "lib" / release / f"all_{release}.m").write_text("scale = 10;\nlengths;")
+        (tmp_path / "lib" / release / "robot.slx").write_text(f"model {release}")
+    (tmp_path / "mine").mkdir()
+    copy = tmp_path / "mine" / "my robot.slx"
+    copy.write_text("model b")
+    folders = {"near": [copy.parent], "paths": [tmp_path / "lib"]}
+    for text, model, length in (
+        ("scale = 1; lengths;", None, 1),  # else that above
+        ("scale = 1; lengths;", copy, 2),
+        ("all_a;", copy, 10),  # from the script that uses it
+        ("all_b;", None, 20),
+    ):
+        assert ran(text, **folders, model=model).variables["L"] == length
+
+
 def test_nothing_outside_of_the_folders_is_read(tmp_path):
     (tmp_path / "in").mkdir()
     (tmp_path / "secret.m").write_text("key = 1;")

@@ -210,3 +210,23 @@ def test_an_initial_value_is_put_out_at_the_start_alone(tmp_path):
     assert rig.values(tmp_path) == {"y": 9.0}
     run = rig.run(tmp_path)
     np.testing.assert_allclose(shown(run, "y")[1:], run.time[1:], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("domain", "UseFilter"),
+    [("Continuous-time", "on"), ("Discrete-time", "on"), ("Discrete-time", "off")],
+)
+def test_a_controller_takes_its_gains_from_ports(domain, UseFilter, tmp_path):
+    rig = Rig()
+    held = rig.block("ZeroOrderHold", "hold", rig.block("Sin", "sine", Frequency="5"),
+                     SampleTime=f"{STEP}")  # fmt: skip
+    gains = {"P": "2", "I": "3", "D": "0.2"} | ({"N": "8"} if UseFilter == "on" else {})
+    common = {"TimeDomain": domain, "SampleTime": "-1", "UseFilter": UseFilter,
+              "FilterMethod": "Trapezoidal", "Controller": "PID"}  # fmt: skip
+    ports = [rig.constant(text) for text in gains.values()]
+    rig.show(rig.block("simulink/Discrete/PID Controller", "inside", held, **gains, **common), "a")
+    rig.show(rig.block("simulink/Discrete/PID Controller", "outside", held, *ports,
+                       ControllerParametersSource="external", **common), "b")  # fmt: skip
+    run = rig.run(tmp_path)
+    assert np.ptp(shown(run, "a")) > 1.0
+    np.testing.assert_allclose(shown(run, "b"), shown(run, "a"), rtol=0, atol=1e-12)

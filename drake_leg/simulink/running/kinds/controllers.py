@@ -7,7 +7,7 @@ import numpy as np
 from drake_leg.simulink.running.code import CONTINUOUS, Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.discontinuities import limit_code
-from drake_leg.simulink.running.settings import Settings, Signal, zero_like
+from drake_leg.simulink.running.settings import Settings, zero_like
 
 
 def _share(w: Writer, option: str) -> float:
@@ -62,31 +62,50 @@ def pid_of_two(w: Writer) -> None:
     )
 
 
+def _gains(w: Writer, *, filtered: bool) -> dict[str, str]:
+    """Return the codes of the gains of a controller that are not 0, and of its filter's N.
+
+    They are parameters, or come in at the ports after the first.
+    """
+    s = w.settings
+    letters = s.text("Controller", "PID")
+    letters += "N" if filtered and "D" in letters else ""
+    if s.text("ControllerParametersSource", "internal") == "external":
+        ports = [letter for letter in "PIDN" if letter in letters]
+        return {letter: w.numeric(1 + place).code for place, letter in enumerate(ports)}
+    usual = {"P": "1", "I": "1", "D": "0", "N": "100"}
+    gains = {letter: s.array(letter, usual[letter]) for letter in usual if letter in letters}
+    return {letter: w.constant(gain) for letter, gain in gains.items() if np.any(gain)}
+
+
 def _controlled(w: Writer, u: Operand, u_i: Operand, u_d: Operand) -> None:
     """Write a controller of what its proportion, its integral and its derivative take."""
     s = w.settings
-    letters = s.text("Controller", "PID")
-    gains = {letter: s.array(letter, d) for letter, d in (("P", "1"), ("I", "1"), ("D", "0"))}
-    p, i, d = (gains[letter] if letter in letters else 0.0 for letter in "PID")
-    ideal = s.text("Form", "Parallel") == "Ideal"
-    codes: list[Operand] = []
-    if np.any(p) and not ideal:
-        codes.append(w.let(f"{w.constant(p)} * {u.code}", "proportional"))
-    elif ideal:
-        codes.append(u)
     discrete = w.rate != CONTINUOUS
     if discrete and not w.period:
         raise w.fault("is discrete and has no sample time: set one")
-    if np.any(i):
+    filtered = not discrete or s.text("UseFilter", "on") == "on"
+    gains = _gains(w, filtered=filtered)
+    ideal = s.text("Form", "Parallel") == "Ideal"
+    codes: list[Operand] = []
+    if ideal:
+        codes.append(u)
+    elif "P" in gains:
+        codes.append(w.let(f"{gains['P']} * {u.code}", "proportional"))
+    if "I" in gains:
         start = s.array("InitialConditionForIntegrator", "0")
         integral = w.remembered(start, 0) if discrete else w.state(start, 0)
         w.kept["i"] = integral.code
-        codes.append(_integral(w, integral, u_i, i, discrete=discrete))
-    if np.any(d):
-        codes.append(_derivative_term(w, u_d, d, discrete=discrete))
+        codes.append(_integral(w, integral, u_i, gains["I"], discrete=discrete))
+    if "D" in gains:
+        scaled = f"{gains['D']} * {u_d.code}"
+        if filtered:
+            codes.append(_filtered(w, scaled, gains.get("N", "0.0"), discrete=discrete))
+        else:
+            codes.append(_difference(w, w.let(scaled, "scaled")))
     total = w.let(" + ".join(one.code for one in codes) or "0.0", "total")
     if ideal:
-        total = w.let(f"{w.constant(p)} * {total.code}", "total")
+        total = w.let(f"{gains.get('P', '0.0')} * {total.code}", "total")
     limited = total
     if s.is_on("LimitOutput"):
         lower, upper = (
@@ -95,39 +114,39 @@ def _controlled(w: Writer, u: Operand, u_i: Operand, u_d: Operand) -> None:
         )
         limited = w.let(limit_code(total, w.constant(lower), w.constant(upper)), "limited")
     w.put(w.let(limited.code))
-    if np.any(i):
-        w.kept["integral"] = _anti_windup(w, f"{w.constant(i)} * {u_i.code}", total, limited)
+    if "I" in gains:
+        w.kept["integral"] = _anti_windup(w, f"{gains['I']} * {u_i.code}", total, limited)
 
 
-def _integral(w: Writer, integral: Operand, u: Operand, gain: Signal, *, discrete: bool) -> Operand:
+def _integral(w: Writer, integral: Operand, u: Operand, gain: str, *, discrete: bool) -> Operand:
     """Write the part of the integral, as its method reads the present input."""
     share = _share(w, "IntegratorMethod") if discrete else 0.0
     if share:
         step = literal(share * (w.period or 0.0))
-        return w.let(f"{integral.code} + {step} * {w.constant(gain)} * {u.code}", "integral_part")
+        return w.let(f"{integral.code} + {step} * {gain} * {u.code}", "integral_part")
     return integral
 
 
-def _derivative_term(w: Writer, u: Operand, gain: Signal, *, discrete: bool) -> Operand:
+def _filtered(w: Writer, scaled: str, n: str, *, discrete: bool) -> Operand:
     """Write the filtered derivative: N (D u - f), where f integrates it."""
-    filtered = not discrete or w.settings.text("UseFilter", "on") == "on"
-    if not filtered:
-        before = w.remembered(zero_like(u.value), 2)
-        w.kept["error"] = u.code
-        return w.let(
-            f"{w.constant(gain)} * ({u.code} - {before.code}) / {literal(w.period or 1.0)}",
-            "derivative_part",
-        )
     start = w.settings.array("InitialConditionForFilter", "0")
     f = w.remembered(start, 1) if discrete else w.state(start, 1)
-    n = w.settings.array("N", "100")
     if discrete:  # what comes in now is a share of what is filtered
-        n = n / (1.0 + _share(w, "FilterMethod") * n * (w.period or 0.0))
+        share = _share(w, "FilterMethod") * (w.period or 0.0)
+        n = w.let(f"{n} / (1.0 + {literal(share)} * {n})", "n").code if share else n
     else:
-        w.fades((-np.ravel(n)).tolist())
-    made = w.let(f"{w.constant(n)} * ({w.constant(gain)} * {u.code} - {f.code})", "derivative_part")
+        w.fades((-np.ravel(eval(n, w.pen.scope))).tolist())
+    made = w.let(f"{n} * ({scaled} - {f.code})", "derivative_part")
     w.kept["f"], w.kept["filter"] = f.code, made.code
     return made
+
+
+def _difference(w: Writer, scaled: Operand) -> Operand:
+    """Write the derivative as what changed since the time before."""
+    start = w.settings.array("DifferentiatorICPrevScaledInput", "0")
+    before = w.remembered(start + zero_like(scaled.value), 2)
+    w.kept["error"] = scaled.code
+    return w.let(f"({scaled.code} - {before.code}) / {literal(w.period or 1.0)}", "derivative_part")
 
 
 def _anti_windup(w: Writer, code: str, total: Operand, limited: Operand) -> str:

@@ -9,7 +9,6 @@ from drake_leg.simulink.running.code import Writer
 Usual = Mapping[str, tuple[str, ...]]
 
 _PID: Usual = {
-    "ControllerParametersSource": ("internal",),
     "ExternalReset": ("none",),
     "InitialConditionSource": ("internal",),
     "LimitIntegrator": ("off",),
@@ -19,12 +18,13 @@ _PID: Usual = {
     "UseExternalTs": ("off",),
     "UseKiTs": ("off",),
 }
+_PID_OF_TWO: Usual = {**_PID, "ControllerParametersSource": ("internal",)}
 _TABLE: Usual = {"DataSpecification": ("Table and breakpoints",), "UseLastTableValue": ("off",)}
 USUAL: Mapping[str, Usual] = {
     "PID Controller": _PID,
     "Discrete PID Controller": _PID,
-    "Discrete PID Controller (2DOF)": _PID,
-    "PID Controller (2DOF)": _PID,
+    "Discrete PID Controller (2DOF)": _PID_OF_TWO,
+    "PID Controller (2DOF)": _PID_OF_TWO,
     "DiscreteIntegrator": {
         "ExternalReset": ("none",),
         "InitialConditionSetting": ("Auto", "State (most efficient)", "State"),
