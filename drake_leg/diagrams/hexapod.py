@@ -2,21 +2,23 @@
 
 The signal blocks, left to right::
 
-    Body Command -> [Body Feedback or Level] -> Gait -> Demux -> 6 x (inverseJacobian -> Integrator)
-                                        ^                                        |
-                                        +--------------- joint angles -----------+-> servos
-                                                                                       |
-                                          Feed-Forward ------------------> robot with its contacts
+    Body Command -> [Body Feedback or Level] -> Gait -> inverseJacobian -> Integrator -+-> servos
+                                                  ^                                    |      |
+                                                  +--------- joint angles -------------+      |
+                                                                                              |
+                                                   Feed-Forward ----------> robot with its contacts
 
-For feedback and levelling, the pose of the body is sampled at the time steps. With touch-down
-detection, a Foot Sensor and a Touch-Down block tell the Gait where the feet stand, and the Body
-Command how high the ground is.
+The inverse Jacobian is one block for all legs, which is faster than one for each: its ports have
+the joints and the feet leg by leg. For feedback and levelling, the pose of the body is sensed. With
+touch-down detection, a Foot Sensor and a Touch-Down block tell the Gait where the feet stand, and
+the Body Command how high the ground is.
 
 The servos are the plant's own: position controllers with the torque-speed line of their motors. The
 joints are driven by torques alone, and so the robot can fall.
 
 All signals change at the time steps of the plant, which is discrete. It computes the torques of its
-servos at the end of a step, and so they get the angles wanted there.
+servos at the end of a step, and so they get the angles wanted there. Torques and contact forces are
+sampled: what is seen of them at the end of a step is what acted in it.
 """
 
 from __future__ import annotations
@@ -32,6 +34,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPo
 from pydrake.systems.primitives import (
     Demultiplexer,
     DiscreteTimeIntegrator,
+    MatrixGain,
     Multiplexer,
     ZeroOrderHold,
 )
@@ -51,7 +54,7 @@ from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.sequence import WalkSequence
 from drake_leg.kinematics.walking.touch_down import SEARCH_DEPTH, TOUCHES, Search
 from drake_leg.kinematics.walking.weights import total_mass
-from drake_leg.models.walker import POINT_FEET, TIME_STEP, Contact, Walker, add_walker
+from drake_leg.models.walker import POINT_FEET, TIME_STEP, Contact, add_walker
 from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.robot import Robot
@@ -63,12 +66,11 @@ from drake_leg.systems.feed_forward import FeedForward
 from drake_leg.systems.foot_sensor import FootSensor
 from drake_leg.systems.gait import GaitBlock
 from drake_leg.systems.inverse_jacobian import InverseJacobian
-from drake_leg.systems.servo_command import ServoCommand
 from drake_leg.systems.touch_down import TouchDown
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
 CONTACT = "contact forces"  # scope of the generalized ones, of base and joints
-SAMPLER = "Sampler"  # of the body's pose, where it is fed back
+INTEGRATOR = "Integrator"  # of the joint rates
 TOUCH_DOWNS = "touch-downs"  # scope of the states of the feet
 LONGEST_STEP = 0.02  # [s]: at 0.05 s a walk loses a tenth of its way
 GREATEST_SHARE = 0.5  # of an error that a time step may correct
@@ -222,23 +224,17 @@ def build(config: HexapodConfig) -> Diagram:
 def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
     """Wire the diagram of a robot that walks as another plan says, such as one that is driven."""
     builder = DiagramBuilder()
-    legs, n = config.legs.movables, config.legs.count
+    legs, joints = config.legs.movable, 3 * config.legs.count
 
     # Blocks, in the order of the signal.
     command = builder.AddNamedSystem("Body Command", BodyCommand(plan))
     gait = builder.AddNamedSystem("Gait", GaitBlock(plan, legs))  # velocities of the feet
-    demux = builder.AddNamedSystem("Demux", Demultiplexer([3] * n))  # to single feet
-    inverse_jacobians = [  # velocity of a foot to rates of its leg's joints
-        builder.AddNamedSystem(f"inverseJacobian {name}", InverseJacobian(leg))
-        for name, leg in zip(config.legs.names, legs, strict=True)
-    ]
-    integrators = [  # rates to angles
-        builder.AddNamedSystem(f"Integrator {name}", DiscreteTimeIntegrator(3, config.time_step))
-        for name in config.legs.names
-    ]
-    angles = builder.AddNamedSystem("Joint Angles", Multiplexer([3] * n))
-    rates = builder.AddNamedSystem("Joint Rates", Multiplexer([3] * n))
-    servos = builder.AddNamedSystem("Servo Command", ServoCommand(3 * n, config.time_step))
+    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(legs))
+    integrator = builder.AddNamedSystem(  # rates of the joints to angles
+        INTEGRATOR, DiscreteTimeIntegrator(joints, config.time_step)
+    )
+    wanted = builder.AddNamedSystem("Mux", Multiplexer([joints, joints]))
+    servos = builder.AddNamedSystem("Servo Command", _at_end_of_step(joints, config.time_step))
     forward = builder.AddNamedSystem("Feed-Forward", FeedForward(plan))
     walker = add_walker(
         builder,
@@ -251,17 +247,18 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
         gravity=config.gravity,
     )
     plant = walker.plant
-    sensed = builder.AddNamedSystem("Body Sensor", Demultiplexer([7, 3 * n, 6, 3 * n]))
+    sensed = builder.AddNamedSystem("Body Sensor", Demultiplexer([7, joints, 6, joints]))
 
-    # Wires: the body's twist to the gait. Feedback adds a block to them, and samples of the pose:
-    # the plant makes its step first, and its new pose belongs to the next row of the plan.
+    acting = plant.get_generalized_contact_forces_output_port(walker.instance)
+    torques = _of_last_step(builder, "Torque Sampler", walker.servos.torques, config.time_step)
+    contact = _of_last_step(builder, "Contact Sampler", acting, config.time_step)
+
+    # Wires: the body's twist to the gait. Feedback adds a block to them.
     twist, levels = command.GetOutputPort("twist"), _levels(config, builder)
     if levels is not None:
         builder.Connect(twist, levels.GetInputPort("command"))
         builder.Connect(command.GetOutputPort("pose"), levels.GetInputPort("pose"))
-        sampler = builder.AddNamedSystem(SAMPLER, ZeroOrderHold(config.time_step, 7))
-        builder.Connect(sensed.get_output_port(0), sampler.get_input_port())
-        builder.Connect(sampler.get_output_port(), levels.GetInputPort("sensed"))
+        builder.Connect(sensed.get_output_port(0), levels.GetInputPort("sensed"))
         builder.Connect(levels.GetOutputPort("levelling"), gait.GetInputPort("levelling"))
         twist = levels.GetOutputPort("twist")
     builder.Connect(twist, gait.GetInputPort("twist"))
@@ -270,9 +267,8 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
     if config.touch_down:
         feel = builder.AddNamedSystem("Foot Sensor", FootSensor(config.legs, config.X_WG))
         touch = builder.AddNamedSystem("Touch-Down", TouchDown(plan, config.search, config.X_WG))
-        contact = plant.get_generalized_contact_forces_output_port(walker.instance)
         builder.Connect(sensed.get_output_port(1), feel.GetInputPort("q"))
-        builder.Connect(contact, feel.GetInputPort("contact"))
+        builder.Connect(acting, feel.GetInputPort("contact"))
         builder.Connect(sensed.get_output_port(0), feel.GetInputPort("body"))
         builder.Connect(feel.GetOutputPort("force"), touch.GetInputPort("force"))
         builder.Connect(feel.GetOutputPort("feet"), touch.GetInputPort("felt"))
@@ -285,18 +281,16 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
         builder.Connect(touch.GetOutputPort("ground"), command.GetInputPort("ground"))
         add_scope(builder, TOUCH_DOWNS, touch.GetOutputPort("states"))
 
-    # Wires: the feet's velocities through inverse Jacobians and integrators to the servos.
-    builder.Connect(gait.GetOutputPort("v"), demux.get_input_port())
-    for i, (inverse, integrator) in enumerate(zip(inverse_jacobians, integrators, strict=True)):
-        builder.Connect(demux.get_output_port(i), inverse.GetInputPort("v"))
-        builder.Connect(integrator.get_output_port(), inverse.GetInputPort("q"))
-        builder.Connect(inverse.GetOutputPort("qdot"), integrator.get_input_port())
-        builder.Connect(integrator.get_output_port(), angles.get_input_port(i))
-        builder.Connect(inverse.GetOutputPort("qdot"), rates.get_input_port(i))
-    builder.Connect(angles.get_output_port(), gait.GetInputPort("q"))
-    builder.Connect(angles.get_output_port(), servos.GetInputPort("q"))
-    builder.Connect(rates.get_output_port(), servos.GetInputPort("qdot"))
-    desired = servos.GetOutputPort("desired")
+    # Wires: the feet's velocities through inverse Jacobian and integrator to the servos.
+    angles, rates = integrator.get_output_port(), inverse_jacobian.GetOutputPort("qdot")
+    builder.Connect(gait.GetOutputPort("v"), inverse_jacobian.GetInputPort("v"))
+    builder.Connect(angles, inverse_jacobian.GetInputPort("q"))
+    builder.Connect(angles, gait.GetInputPort("q"))
+    builder.Connect(rates, integrator.get_input_port())
+    builder.Connect(angles, wanted.get_input_port(0))
+    builder.Connect(rates, wanted.get_input_port(1))
+    builder.Connect(wanted.get_output_port(), servos.get_input_port())
+    desired = servos.get_output_port()
     builder.Connect(desired, walker.servos.desired_state)
     builder.Connect(forward.GetOutputPort("torque"), walker.servos.actuation)
     builder.Connect(plant.get_state_output_port(walker.instance), sensed.get_input_port())
@@ -305,8 +299,31 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
         body = plant.GetFrameByName(config.robot.base_name)
         add_push(builder, plant, body, config.push)
 
-    _add_scopes(builder, walker, sensed, desired)
+    for name, port in (
+        ("body pose", sensed.get_output_port(0)),  # quaternion, place in the world
+        ("joint positions", sensed.get_output_port(1)),
+        ("body velocity", sensed.get_output_port(2)),
+        ("joint velocities", sensed.get_output_port(3)),
+        ("desired state", desired),
+        ("joint torques", torques),
+        (CONTACT, contact),
+    ):
+        add_scope(builder, name, port)
     return built(builder)
+
+
+def _at_end_of_step(joints: int, time_step: float) -> MatrixGain:
+    """Make the gain from angles q and rates qdot, held for a step h, to ``q + qdot h``, qdot."""
+    return MatrixGain(np.kron([[1.0, time_step], [0.0, 1.0]], np.eye(joints)))
+
+
+def _of_last_step(
+    builder: DiagramBuilder, name: str, port: OutputPort, time_step: float
+) -> OutputPort:
+    """Sample what acts in a step, and hold it until the end of that step."""
+    sampler = builder.AddNamedSystem(name, ZeroOrderHold(time_step, port.size()))
+    builder.Connect(port, sampler.get_input_port())
+    return sampler.get_output_port()
 
 
 def _levels(config: HexapodConfig, builder: DiagramBuilder) -> BodyFeedback | BodyLevel | None:
@@ -322,35 +339,15 @@ def _levels(config: HexapodConfig, builder: DiagramBuilder) -> BodyFeedback | Bo
     return None
 
 
-def _add_scopes(
-    builder: DiagramBuilder, walker: Walker, sensed: Demultiplexer, desired: OutputPort
-) -> None:
-    plant, robot = walker.plant, walker.instance
-    for name, port in (
-        ("body pose", sensed.get_output_port(0)),  # quaternion, place in the world
-        ("joint positions", sensed.get_output_port(1)),
-        ("body velocity", sensed.get_output_port(2)),
-        ("joint velocities", sensed.get_output_port(3)),
-        ("desired state", desired),
-        ("joint torques", walker.servos.torques),
-        (CONTACT, plant.get_generalized_contact_forces_output_port(robot)),
-    ):
-        add_scope(builder, name, port)
-
-
 def start_walking(config: HexapodConfig) -> Callable[[Diagram, Context], None]:
     """Return a start at which the robot stands, and its integrators agree with its joints."""
 
     def start(diagram: Diagram, context: Context) -> None:
         plant = plant_of(diagram)
         start_plant(config, plant, plant.GetMyMutableContextFromRoot(context))
-        for leg, q in zip(config.legs.names, config.start, strict=True):
-            integrator = diagram.GetSubsystemByName(f"Integrator {leg}")
-            integrator.set_integral_value(integrator.GetMyMutableContextFromRoot(context), q)
-        if diagram.HasSubsystemNamed(SAMPLER):
-            sampler = diagram.GetSubsystemByName(SAMPLER)
-            at = sampler.GetMyMutableContextFromRoot(context)
-            sampler.SetVectorState(at, sampler.get_input_port().Eval(at))
+        integrator = diagram.GetSubsystemByName(INTEGRATOR)
+        at = integrator.GetMyMutableContextFromRoot(context)
+        integrator.set_integral_value(at, config.start.ravel())
 
     return start
 

@@ -94,6 +94,7 @@ def add_walker(
     plant.set_name(robot.name)
     plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
     plant.set_sap_near_rigid_threshold(NEAR_RIGID)
+    plant.SetUseSampledOutputPorts(False)  # Drake would copy all of its results at every step
     parser = Parser(plant)
     parser.SetStrictParsing()
     try:

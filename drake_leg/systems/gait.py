@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
@@ -39,32 +38,32 @@ class GaitBlock(LeafSystem):
     ----------
     plan : Plan
         Of the feet.
-    legs : sequence of Movable
-        In the order of the plan's feet.
+    legs : Movable
+        All of them, in the order of the plan's feet.
     """
 
-    def __init__(self, plan: Plan, legs: Sequence[Movable]) -> None:
+    def __init__(self, plan: Plan, legs: Movable) -> None:
         LeafSystem.__init__(self)
-        self._plan, self._legs = plan, tuple(legs)
+        self._plan, self._legs = plan, legs
+        joints = legs.joints
         self._pull = PULL / plan.step  # [1/s]
         self._twist = self.DeclareVectorInputPort("twist", 6)
-        self._q = self.DeclareVectorInputPort("q", 3 * len(self._legs))
+        self._q = self.DeclareVectorInputPort("q", joints)
         self._levelling = self.DeclareVectorInputPort("levelling", 3)
-        self._feet = self.DeclareVectorInputPort("feet", 3 * len(self._legs))
-        self._swing = self.DeclareVectorInputPort("swing", 3 * len(self._legs))
-        self._rests = self.DeclareVectorInputPort("rests", len(self._legs))
-        self.DeclareVectorOutputPort("v", 3 * len(self._legs), self._calc_v)
+        self._feet = self.DeclareVectorInputPort("feet", joints)
+        self._swing = self.DeclareVectorInputPort("swing", joints)
+        self._rests = self.DeclareVectorInputPort("rests", joints // 3)
+        self.DeclareVectorOutputPort("v", joints, self._calc_v)
 
     def _calc_v(self, context: Context, v: BasicVector) -> None:
         wx, wy, wz, vx, vy, vz = self._twist.Eval(context).tolist()
-        q = self._q.Eval(context).tolist()
+        feet = iter(self._legs.task_position(self._q.Eval(context).tolist(), _FUNCTIONS))
         is_fed_back = self._levelling.HasValue(context)
         roll, pitch, up = self._levelling.Eval(context).tolist() if is_fed_back else (0.0, 0.0, 0.0)
         found: list[float] = []
-        for number, (leg, planned, swing, rests) in enumerate(
-            zip(self._legs, *self._planned(context), strict=True)
+        for planned, swing, rests, x, y, z in zip(
+            *self._planned(context), feet, feet, feet, strict=True
         ):
-            x, y, z = leg.task_position(q[3 * number : 3 * number + 3], _FUNCTIONS)
             pull = 0.0 if is_fed_back and rests else self._pull
             found += (
                 swing[0] - (vx + wy * z - wz * y) + pull * (planned[0] - pitch * z - x),

@@ -234,7 +234,7 @@ def test_a_block_that_cannot_be_constructed_again_says_why(block, says):
 def test_every_block_in_python_converts():
     driven_by_hand, closed_by_newton = {"FootBrake"}, {"_LoopBlock"}
     walking = {"BodyCommand", "BodyFeedback", "BodyLevel", "FeedForward", "FootSensor", "GaitBlock"}
-    walking |= {"ServoCommand", "TouchDown"}
+    walking |= {"TouchDown"}
     not_converted = {c.__name__ for c in LeafSystem.__subclasses__() if _is_ours(c)}
     of_models = {"DrivenMechanism", "SignalSystem", "_Forces"}  # of anyone's Simulink model
     assert not not_converted - driven_by_hand - closed_by_newton - walking - of_models

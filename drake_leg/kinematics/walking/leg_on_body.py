@@ -45,6 +45,10 @@ class LegOnBody(MovableLeg):
         """Det J, factored [m^3]."""
         return self._sign * MovableLeg.determinant(self, self._own(q))
 
+    def own_determinant(self, q: Floats) -> float:
+        """Determinant of the leg's own angles over its scale [-]."""
+        return MovableLeg.determinant(self, self._own(q)) / self.determinant_scale
+
     def rates(self, q: Floats, v: Floats) -> Floats:
         """``J^-1 v``."""
         (s1, s2, s3), (u1, u2, u3) = self._signs, MovableLeg.rates(self, self._own(q), v)

@@ -31,6 +31,7 @@ from drake_leg.kinematics.leg import (
 )
 from drake_leg.kinematics.walking.gaits import Motion
 from drake_leg.kinematics.walking.leg_on_body import LegOnBody
+from drake_leg.kinematics.walking.legs_together import LegsTogether
 from drake_leg.robot.robot import Robot, require_robot
 
 JOINTS = ("hip", "knee", "ankle")
@@ -119,12 +120,14 @@ class Legs:
         )
 
     @cached_property
-    def movables(self) -> tuple[LegOnBody, ...]:
-        """Every leg for an inverse Jacobian block, in the table's angles and the body's frame."""
+    def movable(self) -> LegsTogether:
+        """All legs for an inverse Jacobian block, in the table's angles and the body's frame."""
         parts = (self.hips.tolist(), self.signs.tolist(), self.offsets.tolist())
-        return tuple(
-            LegOnBody(leg, *on_body)
-            for leg, on_body in zip(self.geometries, zip(*parts, strict=True), strict=True)
+        return LegsTogether(
+            [
+                LegOnBody(leg, *on_body)
+                for leg, on_body in zip(self.geometries, zip(*parts, strict=True), strict=True)
+            ]
         )
 
     def joints(self, feet: ArrayLike) -> Array:
