@@ -68,7 +68,7 @@ class ModelDiagram(Diagram):
 def rates_of(diagram: ModelDiagram, context: Context) -> Callable[[float, Array], Array]:
     """Return the derivatives of all states as a function of time and states.
 
-    Nothing may happen between steps. The context is used at each call, but where no mechanism is
+    They hold until something happens. The context is used at each call, but where no mechanism is
     integrated.
     """
     mechanism = diagram.mechanism

@@ -48,10 +48,6 @@ BETWEEN = np.array([
      -52.072871366152654, -59.78993625266729, -0.15582684282751913, 4.883087185713722],
 ])  # fmt: skip
 STAGES = len(NODES)
-ORDER = 5
-SAFETY, LEAST, MOST = 0.9, 0.2, 6.0  # of the change of a step
-FIRST = 1e-4  # of the longest step, at the start
-ROUNDING = 1e-13  # of a state, below which its error is not seen
 DIFFERENCE = math.sqrt(np.finfo(float).eps)
 
 
@@ -63,95 +59,40 @@ def _lower(text: str) -> list[Array]:
 A, C = _lower(_A), _lower(_C)
 
 
-class StepError(Exception):
-    """Steps would have to be too short."""
-
-    def __init__(self, reason: str) -> None:
-        super().__init__(reason)
-
-
 class Rosenbrock:
-    """A solution in the making.
+    """Linearly implicit steps: as long as the accuracy lets them be, however stiff the equations.
 
     Parameters
     ----------
-    rates : callable
-        Derivatives of the states, of time and states.
-    t : float
-        Time at the start [s].
-    x : (n,)
-        States at the start.
-    accuracy : float
-        Largest error of a state in one step.
-    longest, shortest : float
-        Bounds of the steps [s].
-    pattern : (n, n), optional
-        Which rates, in rows, may depend on which states: all of them, if it is not given.
+    pattern : (n, n)
+        Which rates, in rows, may depend on which states.
     """
 
-    def __init__(
-        self,
-        rates: Rates,
-        t: float,
-        x: Array,
-        *,
-        accuracy: float,
-        longest: float,
-        shortest: float,
-        pattern: Pattern | None = None,
-    ) -> None:
-        self.t, self.x, self.steps = t, x.copy(), 0
-        self._rates = rates
-        self.accuracy, self._longest, self._shortest = accuracy, longest, shortest
-        self._step = FIRST * longest
-        self._pattern = np.ones((x.size, x.size), bool) if pattern is None else pattern
-        self._groups = groups_of(self._pattern)
-        self._from, self._before = t, self.x
-        self._slopes = np.zeros((len(BETWEEN), x.size))
+    name = "rodas5p"
 
-    def step(self, end: float) -> None:
-        """Take a step, at most to ``end``, where the rates may jump.
+    def __init__(self, pattern: Pattern) -> None:
+        self._pattern = pattern
+        self._groups = groups_of(pattern)
+        self._slopes = np.zeros((len(BETWEEN), len(pattern)))
+        self._jacobian: Array = np.zeros(pattern.shape)
+        self._now: Array = np.zeros(len(pattern))
+        self._of_time: Array = self._now
 
-        Raises
-        ------
-        StepError
-            If no step of a reasonable length keeps the accuracy.
-        """
-        t, x, last = self.t, self.x, math.nextafter(end, -math.inf)
+    @property
+    def cost(self) -> int:
+        """Return how many evaluations a step takes."""
+        return STAGES + 1 + len(self._groups)
 
-        def rates(time: float, states: Array) -> Array:
-            return self._rates(min(time, last), states)
+    @property
+    def fastest(self) -> float:
+        """Return the largest eigenvalue of the last Jacobian [1/s]; infinite where it has none."""
+        if not np.isfinite(self._jacobian).all():
+            return math.inf
+        return float(np.abs(np.linalg.eigvals(self._jacobian)).max())
 
+    def begin(self, rates: Rates, t: float, x: Array, end: float) -> None:
+        """Find the derivatives of the rates by the states, and by time."""
         now = rates(t, x)
-        jacobian, of_time = self._linearized(rates, now, end)
-        while True:
-            whole = self._step >= (end - t) * (1.0 - 1e-9)
-            h = end - t if whole else self._step
-            if h < self._shortest and not whole:
-                raise StepError(f"no step keeps the accuracy at {t:g} s")
-            increments = _increments(rates, t, x, h, now, jacobian, of_time)
-            new = x + A[-1] @ increments[:-1] + increments[-1]
-            error = np.abs(increments[-1]) / (self.accuracy + ROUNDING * np.abs(x))
-            worst = float(error.max())
-            if not math.isfinite(worst):
-                self._step = LEAST * h
-            else:
-                change = min(MOST, max(LEAST, SAFETY * max(worst, 1e-12) ** (-1.0 / ORDER)))
-                self._step = min(h * change, self._longest)
-                if worst <= 1.0:
-                    break
-        self._from, self._before = t, x
-        self._slopes = BETWEEN @ increments
-        self.t, self.x = (end if whole else t + h), new
-        self.steps += 1
-
-    def correct(self, x: Array) -> None:
-        """Replace the states that the last step has led to."""
-        self.x = x
-
-    def _linearized(self, rates: Rates, now: Array, end: float) -> tuple[Array, Array]:
-        """Return the derivatives of the rates by the states, and by time."""
-        t, x = self.t, self.x
         jacobian = np.zeros((x.size, x.size))
         steps = DIFFERENCE * np.maximum(1.0, np.abs(x))
         for group in self._groups:
@@ -160,17 +101,25 @@ class Rosenbrock:
             change = (rates(t, moved) - now)[:, np.newaxis] / (moved - x)[group]
             jacobian[:, group] = np.where(self._pattern[:, group], change, 0.0)
         later = t + min(DIFFERENCE * max(1.0, abs(t)), 0.5 * (end - t))
-        return jacobian, (rates(later, x) - now) / (later - t)
+        self._jacobian, self._now = jacobian, now
+        self._of_time = (rates(later, x) - now) / (later - t)
 
-    def at(self, time: float) -> Array:
-        """Return the states at a time within the last step."""
-        if time == self.t:
-            return self.x
-        share = (time - self._from) / (self.t - self._from)
+    def attempt(self, rates: Rates, t: float, x: Array, h: float) -> tuple[Array, Array]:
+        """Return the states after a step, and their errors."""
+        increments = _increments(rates, t, x, h, self._now, self._jacobian, self._of_time)
+        self._slopes = BETWEEN @ increments
+        found: Array = x + A[-1] @ increments[:-1] + increments[-1]
+        return found, np.abs(increments[-1])
+
+    def between(self, share: float, before: Array, after: Array) -> Array:
+        """Return the states at a share of the last step."""
         first, second, third = self._slopes
         bend = first + share * (second + share * third)
-        found: Array = (1.0 - share) * self._before + share * (self.x + (1.0 - share) * bend)
+        found: Array = (1.0 - share) * before + share * (after + (1.0 - share) * bend)
         return found
+
+    def forget(self) -> None:
+        """Keep nothing from one step to the next."""
 
 
 def _increments(

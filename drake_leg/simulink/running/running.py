@@ -28,7 +28,7 @@ from drake_leg.simulink.running.diagram import Array, ModelDiagram, pattern_of, 
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
 from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
-from drake_leg.simulink.running.stepping import FAST, ROSENBROCK, Stepper
+from drake_leg.simulink.running.stepping import FAST, STIFF, Stepper
 
 ACCURACY = 1e-6
 ROWS = 500  # of a recording
@@ -37,8 +37,8 @@ SAME_TIME = 1e-9  # [s]
 SHORTEST_STEP = 1e-10  # of the duration
 MOST_CORNERS = 100_000
 # Contact is stiff, and a model that takes short steps: implicit steps as of ode15s are longer.
-STIFF, STIFF_ACCURACY = "radau3", 1e-3
-OWN_ACCURACY = 1e-5  # at most, of Rosenbrock steps: finer ones cost little
+STIFF_ACCURACY = 1e-3
+OWN_ACCURACY = 1e-5  # at most, of own steps: finer ones cost little
 WINDOW = 300  # steps over which the mean is taken
 CRAWLING = 3e-3  # [s]: a model of n states is stiff below a mean of this over (n + 16)
 INTERRUPTED = "interrupted"
@@ -66,7 +66,7 @@ class ModelRun:
     by_block: bool = False  # whether a Stop block ended it
     seconds: float = 0.0  # that the run took
     steps: int = 0
-    integrator: str = ""  # Drake's name of it, or "rodas5p" of Rosenbrock steps
+    integrator: str = ""  # Drake's name of it, or those of own steps
     accuracy: float = 0.0  # that was asked for
     longest_step: float = 0.0  # [s]
     remarks: tuple[str, ...] = ()
@@ -271,6 +271,7 @@ def run_model(
         accuracy=accuracy or min(config.accuracy, OWN_ACCURACY),
         shortest=SHORTEST_STEP * max(ready.solver["duration"], 1.0),
         watch=watch,
+        events=diagram.signals,
     )
     if _is_stiff(ready, config):
         _take_own_steps(ready, stepper)
@@ -282,7 +283,7 @@ def run_model(
             duration = ready.solver["duration"]
             for time, is_row in moments(ready.code, duration, diagram.signals.base):
                 stepper.advance(time, lambda: bool(watch.stopped))
-                if watch.crawls and stepper.integrator not in (STIFF, ROSENBROCK):
+                if watch.crawls and not stepper.is_stiff:
                     stepper.change(STIFF)
                     _take_own_steps(ready, stepper)
                     stepper.advance(time, lambda: bool(watch.stopped))
@@ -321,12 +322,16 @@ def _is_stiff(ready: Runnable, config: SimulatorConfig) -> bool:
 
 
 def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
-    """Go by Rosenbrock steps, if nothing happens between them."""
-    diagram, duration = ready.diagram, ready.solver["duration"]
-    if diagram.signals.has_events or ready.code.stops or not stepper.has_states:
+    """Go by own steps; they end at rows if something happens at major steps."""
+    if not stepper.has_states:
         return
-    ends = sorted({*corners(ready.code, duration), duration})
-    stepper.take_own_steps(rates_of(diagram, stepper.context), ends, pattern_of(diagram))
+    diagram, code, duration = ready.diagram, ready.code, ready.solver["duration"]
+    ends = {*corners(code, duration), duration}
+    if code.has_major:
+        ends |= {time for time, _ in moments(code, duration, diagram.signals.base)}
+    stepper.take_own_steps(
+        lambda: rates_of(diagram, stepper.context), sorted(ends), pattern_of(diagram)
+    )
 
 
 def moments(code: Code, duration: float, base: Rate | None) -> Iterator[tuple[float, bool]]:

@@ -1,4 +1,4 @@
-"""How a run gets from one time to the next: by Drake's simulator, or by Rosenbrock steps.
+"""How a run gets from one time to the next: by Drake's simulator, or by steps of our own.
 
 Where something is stiff, an explicit integrator would take some steps for each of the shortest
 time constants, however smooth the motion is: contacts, dampers, fast filters. Rosenbrock steps are
@@ -22,7 +22,8 @@ from pydrake.systems.analysis import (
 from pydrake.systems.framework import Context, Diagram, EventStatus
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.running.rosenbrock import Array, Rates, Rosenbrock, StepError
+from drake_leg.simulink.running.rosenbrock import Array, Rates
+from drake_leg.simulink.running.solution import Solution, StepError
 from drake_leg.simulink.running.sparsity import Pattern
 
 
@@ -36,7 +37,17 @@ class Watch(Protocol):
         """Put driven axes on their motions."""
 
 
-ROSENBROCK = "rodas5p"
+class Events(Protocol):
+    """What happens between steps."""
+
+    def next_sample(self, time: float) -> float:
+        """Return the first time after one at which something happens [s]."""
+
+    def happen(self, root: Context) -> bool:
+        """Let happen what happens at the time of a context; tell whether anything did."""
+
+
+STIFF = "radau3"  # Drake's integrator for what is stiff
 FAST = 10.0  # least quotient of the longest step and the time constant of a filter
 
 
@@ -52,11 +63,13 @@ class Stepper:
     config : SimulatorConfig
         Drake's integrator, the accuracy and the longest step.
     accuracy : float
-        Of Rosenbrock steps.
+        Of own steps.
     shortest : float
         The shortest step [s].
     watch : Watch
         Looks at the context after each step.
+    events : Events
+        What happens between steps.
     """
 
     def __init__(
@@ -68,33 +81,38 @@ class Stepper:
         accuracy: float,
         shortest: float,
         watch: Watch,
+        events: Events,
     ) -> None:
         self.config, self.context = config, context
         self._accuracy, self._shortest, self._watch = accuracy, shortest, watch
+        self._events = events
         self._simulator = Simulator(diagram, context)
         self._simulator.set_monitor(watch)
         self._configure()
-        self._own: Rosenbrock | None = None
+        self._own: Solution | None = None
         self._own_steps = 0
         self._corners: Sequence[float] = ()
 
     def take_own_steps(
-        self, rates: Rates, corners: Sequence[float], pattern: Pattern | None = None
+        self,
+        rates: Callable[[], Rates],
+        corners: Sequence[float],
+        pattern: Pattern | None = None,
     ) -> None:
-        """Go by Rosenbrock steps from here on.
+        """Go by own steps from here on.
 
         Parameters
         ----------
         rates : callable
-            Derivatives of all states.
+            Returns the derivatives of all states, as they are until something happens.
         corners : sequence of float
             Times at which they may jump, and the end, which no step goes beyond.
         pattern : (n, n), optional
             Which rates may depend on which states.
         """
-        self._corners = corners
-        self._own = Rosenbrock(
-            tentative(rates),
+        self._corners, self._rates = corners, rates
+        self._own = Solution(
+            tentative(rates()),
             self.context.get_time(),
             self._states(),
             accuracy=self._accuracy,
@@ -105,8 +123,15 @@ class Stepper:
 
     @property
     def integrator(self) -> str:
-        """Name of the integrator: Drake's, or that of the Rosenbrock method."""
-        return self.config.integration_scheme if self._own is None else ROSENBROCK
+        """Name of the integrator: Drake's, or those of own steps."""
+        if self._own is None:
+            return str(self.config.integration_scheme)
+        return " and ".join(sorted(self._own.methods, reverse=True))
+
+    @property
+    def is_stiff(self) -> bool:
+        """Whether it goes on well where the model is stiff."""
+        return self._own is not None or self.integrator == STIFF
 
     @property
     def has_states(self) -> bool:
@@ -128,6 +153,8 @@ class Stepper:
         """Let happen what happens at the start."""
         if self._own is None:
             self._simulator.Initialize()
+        else:
+            self._happen(self._own)
 
     def advance(self, time: float, is_over: Callable[[], bool]) -> None:
         """Go on to a time, or to where it is over."""
@@ -141,7 +168,15 @@ class Stepper:
 
     def finish_events(self) -> None:
         """Let happen what happens at the time that is reached."""
-        self._simulator.AdvancePendingEvents()
+        if self._own is None:
+            self._simulator.AdvancePendingEvents()
+        elif self._own.t == self.context.get_time():
+            self._happen(self._own)
+
+    def _happen(self, own: Solution) -> None:
+        """Let happen what happens before the next step."""
+        if self._events.happen(self.context):
+            own.change(self._states(), tentative(self._rates()))
 
     def change(self, scheme: str) -> None:
         """Go on by another integrator of Drake's."""
@@ -160,11 +195,15 @@ class Stepper:
     def _restart(self) -> None:
         self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
 
-    def _advance_own(self, own: Rosenbrock, time: float, is_over: Callable[[], bool]) -> bool:
+    def _advance_own(self, own: Solution, time: float, is_over: Callable[[], bool]) -> bool:
         """Go on by own steps; tell whether they went well, else the last good one is in place."""
         while own.t < time:
+            if self.context.get_time() != own.t:
+                self._put(own, own.t)
+            self._happen(own)
+            corner = self._corners[bisect_right(self._corners, own.t)]
             try:
-                own.step(self._corners[bisect_right(self._corners, own.t)])
+                own.step(min(corner, self._events.next_sample(own.t)))
             except StepError:
                 self._put(own, own.t)
                 return False
@@ -178,7 +217,7 @@ class Stepper:
             self._watch.follow(self.context)
         return True
 
-    def _put(self, own: Rosenbrock, time: float) -> None:
+    def _put(self, own: Solution, time: float) -> None:
         self.context.SetTimeAndContinuousState(time, own.at(time))
 
     def _states(self) -> Array:

@@ -187,9 +187,9 @@ class SignalSystem(LeafSystem):
     def rates(
         self, context: Context, sense: Callable[[Array], Array] | None
     ) -> Callable[[float, Array], Array] | None:
-        """Return the derivatives as a function of time and states; None where something happens.
+        """Return the derivatives as a function of time and states; None where forces are sensed.
 
-        They are those of Drake's diagram, without its caches.
+        They are those of Drake's diagram, without its caches, until something happens.
 
         Parameters
         ----------
@@ -199,7 +199,7 @@ class SignalSystem(LeafSystem):
             What a mechanism without states senses at the commands that it follows.
         """
         code = self.code
-        if self.has_events or code.needs_efforts or code.needs_sensed or not code.x.size:
+        if code.needs_efforts or code.needs_sensed or not code.x.size:
             return None
         memory = self._own(self.GetMyContextFromRoot(context))[2]
         none, senses = self._none, sense if code.read_at_once else None
@@ -246,6 +246,28 @@ class SignalSystem(LeafSystem):
         output.SetFromVector(np.concatenate([flat(each) for each in shown]))
 
     # --- events ---
+
+    def next_sample(self, time: float) -> float:
+        """Return the first time after one at which a block is sampled [s]."""
+        if self.base is None:
+            return math.inf
+        period, offset = self.base
+        return offset + max(math.floor((time - offset) / period + 1e-9) + 1, 0) * period
+
+    def happen(self, root: Context) -> bool:
+        """Let happen what happens at the time of a root's context; tell whether anything did.
+
+        It is what Drake's simulator does at the start of a step.
+        """
+        context = self.GetMyMutableContextFromRoot(root)
+        time, (_, _, memory) = context.get_time(), self._own(context)
+        samples = self.base is not None and next_hit(self.base, time) and memory.sampled != time
+        steps = self.code.has_major and memory.stepped != time
+        if samples:
+            self._sample(context, context.get_mutable_state())
+        if steps:
+            self._step(context, context.get_mutable_state())
+        return samples or steps
 
     def _sample(self, context: Context, state: State) -> EventStatus:
         hits = [next_hit(rate, context.get_time()) for rate in self.code.rates]

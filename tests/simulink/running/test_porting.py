@@ -117,7 +117,7 @@ def test_a_mechanism_that_is_driven_and_sensed(tmp_path, mode):
                   InputFilterTimeConstant="2e-4")  # fmt: skip
     ours, theirs, script = both(built, tmp_path, 0.3)
     require_same(ours, theirs)
-    assert theirs.integrator == {"torque": "runge_kutta3", "motion": "rodas5p"}[mode]
+    assert {"torque": "runge_kutta3", "motion": "rodas5p"}[mode] in theirs.integrator
     assert np.ptp(theirs.shown[0].values) > 1e-3
     assert 'mechanism.GetOutputPort("sensed")' in script.text
     assert '"DampingCoefficient"' in script.data

@@ -1,0 +1,57 @@
+"""Explicit steps of order 5 with error control, for what is not stiff.
+
+The method is that of J. R. Dormand and P. J. Prince: A family of embedded Runge-Kutta formulae,
+J. Comput. Appl. Math. 6 (1980), with SciPy's numbers.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import RK45
+
+from drake_leg.simulink.running.rosenbrock import Array, Rates
+
+STABLE = 3.3  # largest product of a step and an eigenvalue
+BOUND = 0.15  # of it, from which on a step is taken to be bounded by what is fast
+
+
+class DormandPrince:
+    """Explicit steps: cheap where their length is not bounded by what is fast."""
+
+    name = "dopri5"
+    cost = 6
+
+    def __init__(self, size: int) -> None:
+        self._stages = np.zeros((7, size))
+        self._is_kept = False  # whether the last stage is where the next step begins
+        self._h = 0.0
+        self.is_bounded = False  # whether the last step is as long as what is fast lets it be
+
+    def begin(self, rates: Rates, t: float, x: Array, _: float) -> None:
+        """Find the first stage, unless the last step knows it."""
+        self._stages[0] = self._stages[6] if self._is_kept else rates(t, x)
+        self._is_kept = False
+
+    def attempt(self, rates: Rates, t: float, x: Array, h: float) -> tuple[Array, Array]:
+        """Return the states after a step, and their errors."""
+        k = self._stages
+        for stage in range(1, 6):
+            last = x + h * (RK45.A[stage, :stage] @ k[:stage])
+            k[stage] = rates(t + RK45.C[stage] * h, last)
+        new: Array = x + h * (RK45.B @ k[:6])
+        k[6] = rates(t + h, new)
+        # Two stages at one time tell the largest eigenvalue, as E. Hairer and G. Wanner use them.
+        apart, faster = np.abs(new - last).max(), np.abs(k[6] - k[5]).max()
+        self.is_bounded = bool(h * faster > BOUND * STABLE * apart)
+        self._h, self._is_kept = h, True
+        return new, np.abs(h * (RK45.E @ k))
+
+    def between(self, share: float, before: Array, _: Array) -> Array:
+        """Return the states at a share of the last step."""
+        powers = share ** np.arange(1.0, 5.0)
+        found: Array = before + self._h * (RK45.P @ powers) @ self._stages
+        return found
+
+    def forget(self) -> None:
+        """Begin the next step anew: the states or the rates have changed."""
+        self._is_kept = False

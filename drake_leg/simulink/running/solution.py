@@ -1,0 +1,158 @@
+"""Equations solved step by step: implicitly where they are stiff, else explicitly."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drake_leg.simulink.running.explicit import STABLE, DormandPrince
+from drake_leg.simulink.running.rosenbrock import Array, Rates, Rosenbrock
+from drake_leg.simulink.running.sparsity import Pattern
+
+ORDER = 5  # of both methods
+SAFETY, LEAST, MOST = 0.9, 0.2, 6.0  # of the change of a step
+FIRST = 1e-4  # of the longest step, at the start
+LOOK = 8  # implicit steps after which the method is reconsidered
+BETTER = 1.5  # times further an evaluation must lead by explicit steps
+PATIENCE, MOST_PATIENCE = 15, 2000  # explicit steps whose length is bounded by what is fast
+FREE = 6  # steps after one another that are not, and let the others be forgotten
+ALARM = 8.0  # times a step, up to which what is fast really bounds it
+
+
+class StepError(Exception):
+    """Steps would have to be too short."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+
+
+class Solution:
+    """A solution in the making.
+
+    Its steps are implicit, or explicit where that leads further with as many evaluations.
+
+    Parameters
+    ----------
+    rates : callable
+        Derivatives of the states, of time and states.
+    t : float
+        Time at the start [s].
+    x : (n,)
+        States at the start.
+    accuracy : float
+        Largest error of a state in one step, relative to what is larger than 1.
+    longest, shortest : float
+        Bounds of the steps [s].
+    pattern : (n, n), optional
+        Which rates, in rows, may depend on which states: all of them, if it is not given.
+    """
+
+    def __init__(
+        self,
+        rates: Rates,
+        t: float,
+        x: Array,
+        *,
+        accuracy: float,
+        longest: float,
+        shortest: float,
+        pattern: Pattern | None = None,
+    ) -> None:
+        self.t, self.x, self.steps = t, x.copy(), 0
+        self._rates = rates
+        self.accuracy, self._longest, self._shortest = accuracy, longest, shortest
+        self._step = FIRST * longest
+        self._implicit = Rosenbrock(np.ones((x.size, x.size), bool) if pattern is None else pattern)
+        self._explicit = DormandPrince(x.size)
+        self._method: Rosenbrock | DormandPrince = self._implicit
+        self._stepped: Rosenbrock | DormandPrince = self._method  # by which the last step was
+        self._from, self._before = t, self.x
+        self._since, self._greatest, self._before_implicit = 0, 0.0, math.inf
+        self._bounded, self._free, self._patience = 0, 0, PATIENCE
+        self.methods = {self._method.name}
+
+    def step(self, end: float) -> None:
+        """Take a step, at most to ``end``, where the rates may jump.
+
+        Raises
+        ------
+        StepError
+            If no step of a reasonable length keeps the accuracy.
+        """
+        t, x, last = self.t, self.x, math.nextafter(end, -math.inf)
+        method: Rosenbrock | DormandPrince = self._method
+
+        def rates(time: float, states: Array) -> Array:
+            return self._rates(min(time, last), states)
+
+        method.begin(rates, t, x, end)
+        while True:
+            whole = self._step >= (end - t) * (1.0 - 1e-9)
+            h = end - t if whole else self._step
+            if h < self._shortest and not whole:
+                raise StepError(f"no step keeps the accuracy at {t:g} s")
+            new, errors = method.attempt(rates, t, x, h)
+            worst = float((errors / (self.accuracy * np.maximum(1.0, np.abs(x)))).max())
+            if not math.isfinite(worst):
+                self._step = LEAST * h
+            else:
+                change = min(MOST, max(LEAST, SAFETY * max(worst, 1e-12) ** (-1.0 / ORDER)))
+                self._step = min(h * change, self._longest)
+                if worst <= 1.0:
+                    break
+        self._from, self._before, self._stepped = t, x, method
+        self.t, self.x = (end if whole else t + h), new
+        self.steps += 1
+        self._reconsider(h)
+        if whole:
+            method.forget()
+
+    def correct(self, x: Array) -> None:
+        """Replace the states that the last step has led to."""
+        if not np.array_equal(x, self.x):
+            self._method.forget()
+        self.x = x
+
+    def change(self, x: Array, rates: Rates) -> None:
+        """Replace the states, and their derivatives from here on."""
+        self.x, self._rates = x, rates
+        self._method.forget()
+
+    def at(self, time: float) -> Array:
+        """Return the states at a time within the last step."""
+        if time == self.t:
+            return self.x
+        share = (time - self._from) / (self.t - self._from)
+        return self._stepped.between(share, self._before, self.x)
+
+    def _reconsider(self, h: float) -> None:
+        """Choose the method by which an evaluation leads further, after a step of a length."""
+        if self._method is self._explicit:
+            self._free = 0 if self._explicit.is_bounded else self._free + 1
+            self._bounded = 0 if self._free == FREE else self._bounded + (not self._free)
+            if self._bounded == self._patience:
+                self._choose(self._implicit, h)
+            return
+        self._since, self._greatest = self._since + 1, max(self._greatest, h)
+        if self._since == 1 and self._before_implicit * ALARM < self._stable:
+            self._choose(self._explicit, self._step)  # a jump looked like something fast
+        elif self._since == LOOK:
+            stable = min(self._stable, self._greatest)
+            if stable * self._implicit.cost > BETTER * self._greatest * self._explicit.cost:
+                self._patience = min(2 * self._patience, MOST_PATIENCE)
+                self._choose(self._explicit, min(stable, self._step))
+            else:
+                self._patience = PATIENCE
+                self._since, self._greatest = 0, 0.0
+
+    @property
+    def _stable(self) -> float:
+        """Return the longest explicit step that is stable where the last step began [s]."""
+        return min(STABLE / max(self._implicit.fastest, 1e-300), self._longest)
+
+    def _choose(self, method: Rosenbrock | DormandPrince, step: float) -> None:
+        self._method, self._step, self._before_implicit = method, step, step
+        self._since, self._greatest, self._bounded, self._free = 0, 0.0, 0, 0
+        self.methods.add(method.name)
+        method.forget()
