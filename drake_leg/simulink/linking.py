@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -115,3 +116,20 @@ def files_in(folders: Sequence[Path], endings: Sequence[str]) -> list[Path]:
         inside = (path for path in folder.rglob("*") if path.suffix.lower() in endings)
         found += sorted(islice(inside, MOST_FILES), key=lambda path: (len(path.parts), path))
     return found
+
+
+def home_of(path: Path, folders: Sequence[Path]) -> Path:
+    """Find the file of which a file is a copy in some folders; else it is the file itself.
+
+    Its scripts know a model by its name, which a copy may have lost.
+    """
+    with suppress(OSError):
+        if any(path.resolve().is_relative_to(folder.resolve()) for folder in folders):
+            return path
+        size, content = path.stat().st_size, b""
+        for other in files_in(folders, (path.suffix.lower(),)):
+            if other.stat().st_size == size:
+                content = content or path.read_bytes()
+                if other.read_bytes() == content:
+                    return other
+    return path

@@ -39,6 +39,7 @@ _DEFAULTS = {
     "InitialStep": "auto",
     "FixedStep": "auto",
 }
+_ACTIVE = ("LabelModeActiveChoice", "OverrideUsingVariant")  # choice of a variant subsystem
 _UNBOUNDED = ("StopTime", "MaxStep")
 _FIXED = re.compile(r"FixedStep\w*|ode(1|2|3|4|5|8|14x|1be|1b)")
 
@@ -89,13 +90,29 @@ def read_model(
         file = SimulinkFile(path)
         drawn = read_diagram(file, Libraries(path.parent, paths))
         given = Given(values=values or {}, init=tuple(map(Path, init)), paths=tuple(paths))
-        variables = variables_of(file, given, partial(_mentioned, drawn))
+        variables = variables_of(file, given, partial(_mentioned, drawn), _Texts(drawn))
         _require_used(given, file, drawn)
         drawn, scopes = settled(drawn, variables, mask_of_file(file))
         diagram = choose_variants(drawn, partial(_holds, scopes), variants)
         return _model(file, diagram, scopes, variables)
     except InvalidValueError as error:
         raise InvalidValueError(f"{path}: {error}") from None
+
+
+class _Texts:
+    """The texts of a diagram's parameters, as callbacks read them before any has a value."""
+
+    def __init__(self, diagram: Diagram) -> None:
+        self._blocks = {block.path: block for block in diagram.blocks.values()}
+
+    def get(self, path: str, name: str) -> str | None:
+        """Find a parameter of the block of a path, which begins with the name of the model."""
+        block = self._blocks.get(path.partition("/")[2])
+        if block is None:
+            return None
+        names = _ACTIVE if name == "ActiveVariant" else (name,)
+        texts = block.texts | block.mask.values
+        return next((texts[one] for one in names if one in texts), None)
 
 
 def _require_used(given: Given, file: SimulinkFile, diagram: Diagram) -> None:

@@ -10,7 +10,9 @@ from typing import Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.file import SimulinkFile
+from drake_leg.simulink.linking import home_of
 from drake_leg.simulink.matlab.folders import MODELS
+from drake_leg.simulink.matlab.frames import Drawing
 from drake_leg.simulink.matlab.matfiles import read_struct
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.workspace import Workspace
@@ -84,7 +86,10 @@ def variables_inside(file: SimulinkFile, around: Variables) -> Variables:
 
 
 def variables_of(
-    file: SimulinkFile, given: Given, mentions: Callable[[str], bool] | None = None
+    file: SimulinkFile,
+    given: Given,
+    mentions: Callable[[str], bool] | None = None,
+    blocks: Drawing | None = None,
 ) -> Variables:
     """Find a model's variables.
 
@@ -99,14 +104,18 @@ def variables_of(
         What a person gives.
     mentions : callable, optional
         Whether the model uses a name.
+    blocks : Drawing, optional
+        Its blocks, whose parameters callbacks may read.
 
     Raises
     ------
     InvalidValueError
         If what a person gives is not there or not well formed, or takes too long.
     """
-    near = [file.path.parent, *(path.parent for path in given.init)]
-    workspace = Workspace(near, given.paths, model=file.path)
+    home = home_of(file.path, given.paths)
+    near = [file.path.parent, home.parent, *(path.parent for path in given.init)]
+    workspace = Workspace(near, given.paths, model=home)
+    workspace.blocks = blocks
     found = Variables(workspace)
     found.init = tuple(path.resolve() for path in given.init)
     found.is_lent = not file.is_model

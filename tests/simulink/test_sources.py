@@ -268,6 +268,41 @@ def test_a_mask_sets_and_promotes_parameters_of_blocks_inside(tmp_path):
     assert gains == {"A": 3.0, "B": 11.0, "C": 4.0}
 
 
+def test_a_callback_reads_the_parameters_of_blocks(tmp_path):
+    code = "far = str2num(get_param([bdroot '/S/Far'], 'Value')) + 1;\nno = get_param('m/Q', 'x');"
+    builder = ModelBuilder(callbacks={"InitFcn": code})
+    outer = builder.add_block("SubSystem", "S")
+    builder.add_block("Constant", "Far", {"Value": "2"}, system=outer)
+    builder.add_block("Gain", "K", {"Gain": "far"})
+    path = builder.write(tmp_path / "m.slx")
+    assert gain(path)[0] == 3.0
+    assert [one.what for one in read_model(path).variables.workspace.skipped] == ["no"]
+
+
+def test_a_callback_knows_the_variant_that_is_chosen(tmp_path):
+    code = "choice = get_param([bdroot '/S'], 'ActiveVariant'); hole = str2num(choice(end));"
+    builder = ModelBuilder(callbacks={"InitFcn": code})
+    builder.add_block("SubSystem", "S", {"LabelModeActiveChoice": "Hole_7"})
+    builder.add_block("Gain", "K", {"Gain": "hole"})
+    assert gain(builder.write(tmp_path / "m.slx"))[0] == 7.0
+
+
+def test_a_copy_has_the_name_and_the_folder_of_its_model(tmp_path):
+    code = "switch bdroot, case 'walker', load values; end"
+    builder = ModelBuilder(callbacks={"InitFcn": code})
+    builder.add_block("Gain", "K", {"Gain": "far"})
+    home = tmp_path / "robot" / "models"
+    home.mkdir(parents=True)
+    savemat(home / "values.mat", {"far": 5.0})
+    walker = builder.write(home / "walker.slx")
+    copy = tmp_path / "my_walker.slx"
+    copy.write_bytes(walker.read_bytes())
+    assert gain(copy, paths=[tmp_path / "robot"])[0] == 5.0
+    assert lacks_of(read_model(copy))
+    copy.write_bytes(walker.read_bytes() + b" ")
+    assert lacks_of(read_model(copy, paths=[tmp_path / "robot"]))
+
+
 # --- what is missing ------------------------------------------------------------------------------
 
 

@@ -63,13 +63,17 @@ class Frame:
     line: int = 0
 
 
-class MaskedBlock(Protocol):
-    """The block whose mask is initialized: its parameters and those of the blocks inside it."""
-
-    path: str
+class Drawing(Protocol):
+    """Blocks whose parameters a script reads by their paths."""
 
     def get(self, path: str, name: str) -> Any:  # noqa: ANN401 - any value of a script
         """Text of a parameter, or its value as ``value@name``; None where there is none."""
+
+
+class MaskedBlock(Drawing, Protocol):
+    """The block whose mask is initialized: its parameters and those of the blocks inside it."""
+
+    path: str
 
     def set(self, path: str, name: str, text: str) -> None:
         """Change a parameter of a block inside."""
@@ -107,6 +111,9 @@ class Host(Protocol):
 
     def masked(self) -> MaskedBlock | None:
         """The block whose mask is being initialized, if one is."""
+
+    def drawing(self) -> Drawing | None:
+        """The blocks of the model that the scripts belong to."""
 
     def model_name(self) -> str:
         """Name of the model that the scripts belong to."""
@@ -159,6 +166,10 @@ class Alone:
 
     def masked(self) -> MaskedBlock | None:
         """No block."""
+        return None
+
+    def drawing(self) -> Drawing | None:
+        """No blocks."""
         return None
 
     def model_name(self) -> str:

@@ -191,7 +191,7 @@ def _current_block(self: Interpreter, arguments: Values, wanted: int, frame: Fra
 
 
 def _get_param(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
-    block = _masked(self, "get_param")
+    block = self.host.masked() or self.host.drawing() or _masked(self, "get_param")
     if len(arguments) != 2 or not all(isinstance(word, str) for word in arguments):
         raise LackError("'get_param' reads parameters of blocks by their paths only")
     found = block.get(str(arguments[0]), str(arguments[1]))

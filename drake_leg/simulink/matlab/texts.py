@@ -197,6 +197,12 @@ def _found(text: Any, pattern: Any) -> Any:
     return settled(np.array([where])) if where else np.zeros((0, 0))
 
 
+def _found_either(one: Any, other: Any) -> Any:
+    """``findstr``: the shorter text in the longer one."""
+    short, long = sorted((str(one), str(other)), key=len)
+    return _found(long, short)
+
+
 def _contains(text: Any, pattern: Any) -> Any:
     if isinstance(text, Cell):
         return settled(np.array([[str(pattern) in str(x) for x in row] for row in text.items]))
@@ -246,6 +252,7 @@ _OF_TEXTS: dict[str, Callable[..., Any]] = {
     "split": _split,
     "strjoin": _join,
     "strfind": _found,
+    "findstr": _found_either,
     "contains": _contains,
     "strrep": _each_text(_replaced),
     "strtrim": _each_text(lambda text: text.strip()),

@@ -22,7 +22,7 @@ from drake_leg.simulink.matlab.data import (
     Struct,
 )
 from drake_leg.simulink.matlab.folders import SCRIPTS, Folders, parsed, text_of
-from drake_leg.simulink.matlab.frames import File, Frame, MaskedBlock, Values
+from drake_leg.simulink.matlab.frames import Drawing, File, Frame, MaskedBlock, Values
 from drake_leg.simulink.matlab.interpreter import Interpreter
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN
 from drake_leg.simulink.matlab.matfiles import read_mat
@@ -83,6 +83,7 @@ class Workspace:
         self.lacking: dict[str, str] = {}  # variables that a script would have set: why not
         self.output: list[str] = []  # what scripts print
         self.model = model.stem if model else ""  # name of that which the scripts belong to
+        self.blocks: Drawing | None = None  # of that model
         self.budget = budget or Allowance()
         self.folders = Folders(model)
         self._interpreter = Interpreter(self, self.budget)
@@ -370,6 +371,10 @@ class Workspace:
     def masked(self) -> MaskedBlock | None:
         """Return the block whose mask is being initialized."""
         return self._masked
+
+    def drawing(self) -> Drawing | None:
+        """Return the blocks of the model that the scripts belong to."""
+        return self.blocks
 
     def model_name(self) -> str:
         """Return the name of the model that the scripts belong to."""
