@@ -188,7 +188,7 @@ def _is_there(path: Path) -> bool:
 
 
 def _walked(root: Path) -> Iterator[Path]:
-    """Models, and files that scripts use, in a folder and all inside it, those above first."""
+    """Files that models and scripts name in a folder and all inside it, those above first."""
     folders, seen = [root], 0
     while folders:
         below: list[Path] = []
@@ -206,7 +206,7 @@ def _walked(root: Path) -> Iterator[Path]:
                 if entry.is_dir():
                     if not entry.name.startswith((".", "@")) and entry.name not in _LEFT_OUT:
                         below.append(entry)
-                elif entry.suffix.lower() in (*SCRIPTS, ".mat", *MODELS):
+                elif entry.suffix.lower() in (*SCRIPTS, ".mat", ".stl", *MODELS):
                     yield entry
         folders = below
 

@@ -101,6 +101,7 @@ class _Reading:
     def __init__(self, model: Model) -> None:
         flat = physical_part(model)
         self._blocks = flat.blocks
+        self._find = model.variables.workspace.folders.file if model.variables else None
         self._network: PhysicalNetwork = network_of(flat)
         self._problems: dict[str, None] = {}
         self._mechanical = self._at_frames()
@@ -124,7 +125,7 @@ class _Reading:
             elif block.kind in JOINTS:
                 joints.append(self._joint(block))
             elif block.kind in SOLIDS:
-                solid = Solid(block=block)
+                solid = Solid(block=block, find=self._find)
                 self._attempt(NO_MASS, _properties, solid)
                 solids.append((_own(block), solid))
                 rigid += self._at_solid(solid)

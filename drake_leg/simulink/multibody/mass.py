@@ -89,7 +89,7 @@ def extrusion(section: ArrayLike, length: float, density: float) -> MassProperti
             [0.0, 0.0, length**2 / 12.0],
         ]
     )
-    return _of_second_moments(mass, np.array([x, y, 0.0]), second)
+    return of_second_moments(mass, np.array([x, y, 0.0]), second)
 
 
 def revolution(section: ArrayLike, density: float, angle: float = math.tau) -> MassProperties:
@@ -129,7 +129,7 @@ def revolution(section: ArrayLike, density: float, angle: float = math.tau) -> M
         ]
     )
     second -= np.outer(center, center)
-    return _of_second_moments(volume * density, center, second)
+    return of_second_moments(volume * density, center, second)
 
 
 def of_mass(properties: MassProperties, mass: float) -> MassProperties:
@@ -155,10 +155,10 @@ def composed(parts: Sequence[tuple[MassProperties, Array]]) -> MassProperties:
 
 
 def _centered(mass: float, squares: Array) -> MassProperties:
-    return _of_second_moments(mass, np.zeros(3), np.diag(squares))
+    return of_second_moments(mass, np.zeros(3), np.diag(squares))
 
 
-def _of_second_moments(mass: float, center: Array, second: Array) -> MassProperties:
+def of_second_moments(mass: float, center: Array, second: Array) -> MassProperties:
     """Make the inertia of the mean of (r - center) (r - center)^T over the mass [m^2]."""
     inertia = mass * (np.trace(second) * np.eye(3) - second)
     return MassProperties(mass=mass, center=center, inertia=inertia)

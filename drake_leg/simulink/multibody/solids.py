@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from pathlib import Path, PureWindowsPath
 
 import numpy as np
 
@@ -21,7 +23,10 @@ from drake_leg.simulink.multibody.features import (
 )
 from drake_leg.simulink.multibody.frames import read_frames
 from drake_leg.simulink.multibody.mass import Array, MassProperties
+from drake_leg.simulink.multibody.stl import is_closed, of_mesh, read_stl
 from drake_leg.units import parse_unit
+
+Find = Callable[[str], Path | None]
 
 GREY = (0.5, 0.5, 0.5, 1.0)
 NO_MASS = MassProperties(mass=0.0, center=np.zeros(3), inertia=np.zeros((3, 3)))
@@ -117,12 +122,23 @@ class FileShape:
 
     file: str
     unit: float  # [m]
+    place: Path | None = None  # where it lies
 
     def properties(self, density: float) -> MassProperties:
-        """Return the mass properties in R, of a density [kg/m^3]."""
-        raise InvalidValueError(
-            f"it has its mass from the geometry of {self.file!r}, which is not read: set its "
-            "inertia to Custom, with the numbers of its CAD program"
+        """Return the mass properties in R, of a density [kg/m^3]; an STL file's are exact."""
+        if PureWindowsPath(self.file).suffix.lower() != ".stl":
+            raise self._without("which is not read")
+        if self.place is None:
+            raise self._without("which lies nowhere in the given folders")
+        corners = read_stl(self.place)
+        if not is_closed(corners):
+            raise self._without("whose surface is not closed")
+        return of_mesh(self.unit * corners, density)
+
+    def _without(self, why: str) -> InvalidValueError:
+        return InvalidValueError(
+            f"it has its mass from the geometry of {self.file!r}, {why}: set its inertia to "
+            "Custom, with the numbers of its CAD program"
         )
 
     def feature(self, name: str) -> Feature:
@@ -143,6 +159,7 @@ class Solid:
     """A solid, an inertia or a graphic, as its block says."""
 
     block: Block
+    find: Find | None = None  # where a file lies, by its name
 
     @cached_property
     def shape(self) -> Shape | None:
@@ -153,7 +170,7 @@ class Solid:
         InvalidValueError
             If a dimension is missing or not positive.
         """
-        return _shape(self.block)
+        return _shape(self.block, self.find)
 
     @cached_property
     def properties(self) -> MassProperties:
@@ -290,7 +307,7 @@ _KINDS = {
 _REGULAR = ("Regular", "RegularExtrusion")
 
 
-def _shape(block: Block) -> Shape | None:
+def _shape(block: Block, find: Find | None) -> Shape | None:
     kind = _KINDS.get(block.kind) or str(block.parameters.get("GeometryShape", ""))
     if block.kind in ("Inertia", "Graphic"):
         return None
@@ -316,7 +333,8 @@ def _shape(block: Block) -> Shape | None:
     if kind == "FromFile":
         unit = parse_unit(str(block.parameters.get("ExtGeomFileUnits") or "m"))
         file = str(block.parameters.get("ExtGeomFileName", ""))
-        return FileShape(file=file, unit=float(unit.factor))
+        place = find(PureWindowsPath(file).name) if find else None
+        return FileShape(file=file, unit=float(unit.factor), place=place)
     raise InvalidValueError(
         f"the block {block.name!r} (SID {block.sid}) is a {block.kind} {kind}, which is not built: "
         "replace it by a solid of another shape"
