@@ -142,6 +142,7 @@ class Pen:
         self.stops: list[tuple[str, str]] = []  # variable, name of a block
         self.breaks: set[float] = set()
         self.lagging: list[str] = []  # ports of motions that are filtered for want of derivatives
+        self.edges: list[str] = []  # signals whose changes of sign let something happen
         self.waves: list[tuple[float, float]] = []  # period and offset of corners
         self.fastest = 0.0  # [1/s], the reciprocal of the shortest time constant of a filter
         self.values: dict[str, Operand] = {}  # by port

@@ -62,6 +62,7 @@ class Code:
     rates: tuple[Rate, ...]
     has_major: bool  # whether something happens at every major step
     resets: bool  # whether an event may change a continuous state
+    has_edges: bool  # whether something happens where signals change their sign
     recorded: tuple[Recorded, ...]
     stops: tuple[tuple[str, str], ...]
     breaks: tuple[float, ...]
@@ -82,7 +83,7 @@ class Code:
         return {name: scope[name] for name in FUNCTIONS}
 
 
-FUNCTIONS = ("commands", "derivatives", "record", "major")
+FUNCTIONS = ("commands", "derivatives", "record", "major", "edges")
 
 
 def compile_signals(
@@ -348,6 +349,7 @@ class _Pass:
         r = [each.code for each in pen.recorded] + [name for name, _ in pen.stops]
         record = of_present("record", outputs, [f"r = [{', '.join(r)}]"], held, "r")
         major = of_events(outputs, afters, held)
+        edges = of_present("edges", outputs, [f"r = joined({', '.join(pen.edges)})"], held)
         lasting = names_read(outputs, [], [each for each in outputs if each.lasts])
         u_reads = names_read(outputs, u)
         dx_reads = names_read(outputs, dx) | names_read(outputs, [], afters)
@@ -357,7 +359,7 @@ class _Pass:
                 "sensed there: an algebraic loop; break it with a Memory or a filter"
             )
         return Code(
-            source="\n\n\n".join((commands, derivatives, record, major)) + "\n",
+            source="\n\n\n".join((commands, derivatives, record, major, edges)) + "\n",
             scope={**{name: value for name, value in pen.scope.items() if _is_lasting(name, pen)}},
             x=np.array(pen.scope["x"], dtype=float),
             memory=tuple(pen.slots),
@@ -365,6 +367,7 @@ class _Pass:
             has_major=any(part.rate == MAJOR for part in pen.parts)
             or bool(self._gate_of or self.loops),
             resets=pen.resets,
+            has_edges=bool(pen.edges),
             recorded=tuple(pen.recorded),
             stops=tuple(pen.stops),
             breaks=tuple(sorted(pen.breaks)),

@@ -29,6 +29,7 @@ class WrittenCode(Code):
     rates: tuple[Rate, ...] = ()
     has_major: bool = False
     resets: bool = False
+    has_edges: bool = False
     recorded: tuple[Recorded, ...] = ()
     stops: tuple[tuple[str, str], ...] = ()
     breaks: tuple[float, ...] = ()

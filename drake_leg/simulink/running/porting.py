@@ -45,6 +45,7 @@ SAID = {
     "derivatives": "Return the derivatives of the continuous states.",
     "record": "Return what sinks show.",
     "major": "Change what blocks remember, at sample times and major steps.",
+    "edges": "Return the signals whose changes of sign let something happen.",
 }
 TITLES = {
     "x": "continuous states at the start",
@@ -63,7 +64,7 @@ PYDRAKE = {
     "LogVectorOutput": "pydrake.systems.primitives",
 }
 NOTHING = (["pass"], ["u = zeros(0)", "return u"], ["dx = zeros(0)", "return dx"],
-           ["r = []", "return r"])  # fmt: skip
+           ["r = []", "return r"], ["r = joined()", "return r"])  # fmt: skip
 END = ['if __name__ == "__main__":', "    main()"]
 SENSED = re.compile(r"^# sensed at ([^#]+)#\w+:\d+$")
 MATLAB: dict[str, Callable[..., Any]] = {"compiled": compiled, "Expression": Expression}

@@ -273,7 +273,7 @@ def run_model(
         watch=watch,
         events=diagram.signals,
     )
-    if _is_stiff(ready, config):
+    if ready.code.has_edges or _is_stiff(ready, config):
         _take_own_steps(ready, stepper)
     began = monotonic()
     stopped = ""
@@ -330,7 +330,10 @@ def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
     if code.has_major:
         ends |= {time for time, _ in moments(code, duration, diagram.signals.base)}
     stepper.take_own_steps(
-        lambda: rates_of(diagram, stepper.context), sorted(ends), pattern_of(diagram)
+        lambda: rates_of(diagram, stepper.context),
+        sorted(ends),
+        pattern_of(diagram),
+        has_edges=code.has_edges,
     )
 
 

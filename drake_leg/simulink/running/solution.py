@@ -119,6 +119,16 @@ class Solution:
         self.x, self._rates = x, rates
         self._method.forget()
 
+    def cut(self, time: float) -> None:
+        """Take the last step back to a time within it."""
+        self.x, self.t = self.at(time), time
+        self._method.forget()
+
+    @property
+    def began(self) -> float:
+        """Return the time at which the last step began [s]."""
+        return self._from
+
     def at(self, time: float) -> Array:
         """Return the states at a time within the last step."""
         if time == self.t:

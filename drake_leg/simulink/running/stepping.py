@@ -46,8 +46,13 @@ class Events(Protocol):
     def happen(self, root: Context) -> bool:
         """Let happen what happens at the time of a context; tell whether anything did."""
 
+    def signs(self, root: Context) -> Array:
+        """Return the signs of the signals whose changes let something happen."""
+
 
 STIFF = "radau3"  # Drake's integrator for what is stiff
+EDGE, ROUNDING = 1e-12, 4e-16  # [s], and of the time: how exactly an edge is located
+CHATTER = 1e-5  # of the longest step: a step that is cut so soon lets the next one be whole
 FAST = 10.0  # least quotient of the longest step and the time constant of a filter
 
 
@@ -92,12 +97,15 @@ class Stepper:
         self._own: Solution | None = None
         self._own_steps = 0
         self._corners: Sequence[float] = ()
+        self._edge = -math.inf  # [s], where a step was cut soon after it began
 
     def take_own_steps(
         self,
         rates: Callable[[], Rates],
         corners: Sequence[float],
         pattern: Pattern | None = None,
+        *,
+        has_edges: bool = False,
     ) -> None:
         """Go by own steps from here on.
 
@@ -109,8 +117,10 @@ class Stepper:
             Times at which they may jump, and the end, which no step goes beyond.
         pattern : (n, n), optional
             Which rates may depend on which states.
+        has_edges : bool
+            Whether something happens where signals change their sign: steps end there.
         """
-        self._corners, self._rates = corners, rates
+        self._corners, self._rates, self._has_edges = corners, rates, has_edges
         self._own = Solution(
             tentative(rates()),
             self.context.get_time(),
@@ -201,6 +211,7 @@ class Stepper:
             if self.context.get_time() != own.t:
                 self._put(own, own.t)
             self._happen(own)
+            signs = self._events.signs(self.context) if self._has_edges else None
             corner = self._corners[bisect_right(self._corners, own.t)]
             try:
                 own.step(min(corner, self._events.next_sample(own.t)))
@@ -208,6 +219,8 @@ class Stepper:
                 self._put(own, own.t)
                 return False
             self._put(own, own.t)
+            if signs is not None:
+                self._end_at_edge(own, signs)
             self._watch(self.context)  # which may put driven axes on their motions
             own.correct(self._states())
             if is_over():
@@ -216,6 +229,26 @@ class Stepper:
         if time != own.t:
             self._watch.follow(self.context)
         return True
+
+    def _end_at_edge(self, own: Solution, signs: Array) -> None:
+        """Cut a step where a signal that lets something happen has changed its sign.
+
+        A signal that changes it at every step is passed over, as steps would become too short.
+        """
+        start, end = own.began, own.t
+        if start - self._edge < self._shortest or not self._differs(own, end, signs):
+            return
+        first = start
+        while end - start > max(EDGE, ROUNDING * end):
+            middle = 0.5 * (start + end)
+            start, end = (start, middle) if self._differs(own, middle, signs) else (middle, end)
+        own.cut(end)
+        self._put(own, end)
+        self._edge = end if end - first < CHATTER * self.config.max_step_size else -math.inf
+
+    def _differs(self, own: Solution, time: float, signs: Array) -> bool:
+        self._put(own, time)
+        return not np.array_equal(self._events.signs(self.context), signs)
 
     def _put(self, own: Solution, time: float) -> None:
         self.context.SetTimeAndContinuousState(time, own.at(time))

@@ -87,6 +87,7 @@ class SignalSystem(LeafSystem):
         functions = code.functions()
         self._commands, self._derivatives = functions["commands"], functions["derivatives"]
         self._record, self._major = functions["record"], functions["major"]
+        self._edges = functions["edges"]
         self._none = np.zeros(0)
         self._lost: dict[str, _Lost] = {}  # by the function that gives what is not finite
         self.DeclareContinuousState(BasicVector(code.x))
@@ -253,6 +254,13 @@ class SignalSystem(LeafSystem):
             return math.inf
         period, offset = self.base
         return offset + max(math.floor((time - offset) / period + 1e-9) + 1, 0) * period
+
+    def signs(self, root: Context) -> Array:
+        """Return the signs of the signals whose changes let something happen."""
+        with np.errstate(all="ignore"):
+            found = self._edges(*self._read(self.GetMyContextFromRoot(root), shown=True))
+        signs: Array = np.sign(found)
+        return signs
 
     def happen(self, root: Context) -> bool:
         """Let happen what happens at the time of a root's context; tell whether anything did.

@@ -56,6 +56,7 @@ def _reset(w: Writer, state: object) -> None:
     }.get(how)
     if code is None:
         raise w.fault(f"is reset by {how!r}, which does not run")
+    w.pen.edges.append(b)
     start = w.numeric(2).code if external else w.constant(w.kept["start"])
     w.set_state(code, start)
     w.remember(b, number=1)

@@ -57,6 +57,7 @@ def trigger(w: Writer) -> None:
         raise w.fault(f"waits for a {how}, which does not run: use an edge")
     u = w.numeric()
     before = w.remembered(u.value if isinstance(u.value, float) else flat(u.value))
+    w.pen.edges.append(u.code)
     a, b = before.code, u.code
     rising, falling = f"({a} <= 0.0) & ({b} > 0.0)", f"({a} >= 0.0) & ({b} < 0.0)"
     code = {"rising": rising, "falling": falling, "either": f"({rising}) | ({falling})"}[how]

@@ -206,6 +206,7 @@ def hit_crossing(w: Writer) -> None:
     u = w.numeric()
     beyond = w.let(f"{u.code} - {w.constant(w.settings.number('HitCrossingOffset', '0'))}")
     w.kept["beyond"] = beyond.code
+    w.pen.edges.append(beyond.code)
     before = w.remembered(beyond.value)
     _crossed(w, before.code, beyond.code, w.settings.text("HitCrossingDirection", "either"))
 

@@ -64,3 +64,4 @@ def stop(w: Writer) -> None:
     code = f"float({u.code} != 0.0)" if u.is_scalar else f"float(({u.code} != 0.0).any())"
     made = w.let(code, "stops")
     w.pen.stops.append((made.code, w.node.block.name))
+    w.pen.edges.append(made.code)

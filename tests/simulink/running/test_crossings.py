@@ -1,0 +1,108 @@
+"""Zero crossings: corners and jumps of signals, and what happens where a sign changes."""
+
+import numpy as np
+import pytest
+from rigs import Rig, shown
+
+from drake_leg.simulink.reader import read_model
+from drake_leg.simulink.running.running import run_model, runnable
+
+W, SIZE = 5.0, 3.0  # a wave of so many rad/s, and so large
+ON = np.arcsin(1.0 / SIZE) / W  # [s], where it is at 1 first
+
+
+def wave(rig, phase="0"):
+    return rig.block("Sin", "wave", Amplitude="3", Frequency="5", Phase=phase)
+
+
+def sent(signal, end):
+    """Integrate a signal of the wave over time, by fine sums."""
+    t = np.linspace(0.0, end, 1_000_001)
+    return np.trapezoid(signal(SIZE * np.sin(W * t)), t)
+
+
+BENT = {
+    "saturation": ("Saturate", {"UpperLimit": "1", "LowerLimit": "-1"},
+                   lambda u: np.clip(u, -1.0, 1.0)),
+    "dead zone": ("DeadZone", {"LowerValue": "-1", "UpperValue": "1"},
+                  lambda u: u - np.clip(u, -1.0, 1.0)),
+    "abs": ("Abs", {}, np.abs),
+    "sign": ("Signum", {}, np.sign),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BENT)
+def test_the_error_control_meets_corners_and_jumps(name, tmp_path):
+    """At the usual accuracy of 1e-6 an integral is off by no more than some 1e-6 of a crossing."""
+    kind, parameters, law = BENT[name]
+    rig = Rig()
+    bent = rig.block(kind, name, wave(rig), **parameters)
+    rig.show(rig.block("Integrator", "integral", bent), "y")
+    run = run_model(runnable(read_model(rig.write(tmp_path / "m.slx")), duration=2.0))
+    assert abs(shown(run, "y")[-1] - sent(law, 2.0)) < 1e-5
+
+
+def test_the_error_control_meets_switches_and_relays(tmp_path):
+    """A Switch jumps by 3 at each zero of the wave, a Relay at 1 and -1: within 2 us each."""
+    rig = Rig()
+    u = wave(rig)
+    switch = rig.block("Switch", "switch", rig.constant("2"), u, rig.constant("-1"),
+                       Threshold="0", Criteria="u2 > Threshold")  # fmt: skip
+    rig.show(rig.block("Integrator", "of switch", switch), "switch")
+    relay = rig.block("Relay", "relay", u, OnSwitchValue="1", OffSwitchValue="-1")
+    rig.show(rig.block("Integrator", "of relay", relay), "relay")
+    run = run_model(runnable(read_model(rig.write(tmp_path / "m.slx")), duration=2.0))
+    expected = sent(lambda u: np.where(u > 0.0, 2.0, -1.0), 2.0)
+    assert abs(shown(run, "switch")[-1] - expected) < 4 * 3.0 * 2e-6
+    # On from ON, off from half a period later on, and the same once more.
+    assert abs(shown(run, "relay")[-1] - 2.0 * np.pi / W) < 4 * 2e-6
+
+
+def test_a_state_is_set_again_where_a_signal_rises(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("Integrator", "reset", rig.constant("1"), wave(rig, "-1"),
+                       ExternalReset="rising"), "y")  # fmt: skip
+    run = rig.run(tmp_path, 2.0, accuracy=1e-6)
+    last = 1.0 / W + 2.0 * np.pi / W
+    assert shown(run, "y")[-1] == pytest.approx(2.0 - last, abs=1e-10)
+
+
+def test_a_triggered_subsystem_runs_where_its_signal_rises(tmp_path):
+    """It puts out the time; beside it something is integrated."""
+    rig = Rig()
+    system = rig.add_block("SubSystem", "gated", ports={"out": 1, "trigger": 1})
+    rig.add_block("TriggerPort", "gate", {"TriggerType": "falling"}, system=system)
+    clock = rig.block("Clock", "clock inside", system=system)
+    out = rig.add_block("Outport", "out", {"Port": "1"}, system=system, ports={"in": 1})
+    rig.connect(clock, out)
+    u = wave(rig)
+    rig.connect(u, f"{system}#trigger")
+    rig.show(system, "y")
+    rig.show(rig.block("Integrator", "x", u), "x")
+    run = rig.run(tmp_path, 1.5, accuracy=1e-6)
+    assert shown(run, "y")[-1] == pytest.approx(np.pi / W, abs=1e-10)
+
+
+def test_a_stop_ends_the_run_where_its_signal_changes(tmp_path):
+    rig = Rig()
+    fallen = rig.block("Integrator", "fallen", rig.block("Clock", "clock"))
+    rig.block("Stop", "stop", rig.block("RelationalOperator", "deep", fallen, rig.constant("0.5"),
+                                        Operator=">="))  # fmt: skip
+    rig.show(fallen, "y")
+    run = rig.run(tmp_path, 3.0, accuracy=1e-6)
+    assert run.by_block
+    assert run.ended == pytest.approx(1.0, abs=1e-9)
+
+
+def test_what_changes_its_sign_at_every_step_does_not_stop_the_time(tmp_path):
+    """x' = t - 2 sign(x) slides along 0, where a Hit Crossing looks at it."""
+    rig = Rig()
+    x = rig.block("Integrator", "x", "", InitialCondition="0.01")
+    pull = rig.block("Gain", "pull", rig.block("Signum", "sign", x), Gain="-2")
+    rig.connect(rig.block("Sum", "sum", rig.block("Clock", "t"), pull, Inputs="++"), x)
+    rig.show(rig.block("HitCross", "hit", x), "hit")
+    rig.show(x, "x")
+    model = read_model(rig.write(tmp_path / "m.slx"))
+    run = run_model(runnable(model, duration=0.1), accuracy=1e-3)
+    assert not run.stopped
+    assert np.abs(shown(run, "x")[run.time > 0.02]).max() < 1e-2
