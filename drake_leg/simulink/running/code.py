@@ -132,8 +132,10 @@ class Pen:
         shapes: Mapping[str, tuple[int, ...]] | None = None,
         folders: Folders | None = None,
         guesses: Mapping[str, Signal] | None = None,
+        asked: Mapping[str, int] | None = None,
     ) -> None:
         self.folders = folders  # where functions lie in files
+        self.asked = asked or {}  # how many numbers the mechanism takes of a signal, by port
         self.sections: list[Section] = []
         self.constants: dict[str, Any] = {}
         self.states: dict[str, State] = {}

@@ -11,6 +11,7 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.lacks import Lack, lacks_of_block
+from drake_leg.simulink.mechanism import TO_PHYSICAL
 from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.running.assembling import names_read, of_events, of_present
 from drake_leg.simulink.running.code import (
@@ -134,8 +135,11 @@ def _attempt(
     shapes: dict[str, tuple[int, ...]] = {}
     guesses: dict[str, Signal] = {}
     widenings: Counter[AlgebraicLoop] = Counter()
+    asked = _asked(network, ports)
     for _ in range(PASSES):
-        job = _Pass(nodes, order, rates, ports, network, Pen(shapes, network.folders, guesses))
+        job = _Pass(
+            nodes, order, rates, ports, network, Pen(shapes, network.folders, guesses, asked)
+        )
         job.write(refused, widenings)
         if not (job.pen.wanted or job.pen.better):
             break
@@ -143,6 +147,18 @@ def _attempt(
         guesses |= job.pen.better
     loops = [loop.refusal for loop in refused]
     return job, [*_without_kind(network), *loops, *job.problems]
+
+
+def _asked(network: SignalNetwork, ports: Ports) -> dict[str, int]:
+    """Tell how many numbers the mechanism takes of signals that reach it unchanged, by port."""
+    found: dict[str, int] = {}
+    for entry, place in ports.inputs.items():
+        port = network.commands.get(entry)
+        while port and entry not in ports.motions and port not in found:
+            found[port] = place.stop - place.start
+            node = network.nodes.get(port.partition("#")[0])
+            port = node.inputs[0] if node and node.block.kind == TO_PHYSICAL else None
+    return found
 
 
 def _lack(node: Node, error: UnknownValueError) -> Lack:

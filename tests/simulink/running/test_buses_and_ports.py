@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from mechanism_models import pendulum
+from mechanism_models import MechanismBuilder, pendulum
 from rigs import Rig, shown
 from slx_writer import write_parts
 
@@ -192,3 +192,24 @@ def test_what_a_from_of_a_library_takes_from_its_user_is_zero(tmp_path):
     parts[whole] = parts[whole].replace("Model>", "Library>")
     model = read_model(write_parts(tmp_path / "library.slx", parts))
     assert shown(run_model(runnable(model, duration=0.1)), "y")[0] == 1.0
+
+
+def test_a_vector_is_taken_apart_as_the_mechanism_takes_its_parts(tmp_path):
+    """Of four numbers in two outputs, one pushes along x, and three are a vector."""
+    built = MechanismBuilder()
+    built.body("Brick Solid", "Brick", BrickDimensions="[0.1 0.1 0.1]")  # of 1 kg
+    built.joint("6-DOF", "Free")
+    texts = {"EnableForceX": "on", "EnableForce": "on"}
+    built.add_library("sm_lib/Forces and Torques/External Force and Torque", "Push", texts)
+    built.meet("World", "Free lconn:1")
+    built.meet("Free", "Brick", "Push")
+    four = built.add_block("Constant", "Four", {"Value": "[2 1 0 3]"})
+    apart = built.add_block("Demux", "Apart", {"Outputs": "2"}, ports={"in": 1, "out": 2})
+    built.connect(four, apart)
+    for number in (1, 2):
+        name = f"Convert{number}"
+        sid = built.add_library("nesl_utility/Simulink-PS Converter", name, {"Unit": "N"})
+        built.connect(f"{apart}#out:{number}", f"{sid}#in:1")
+        built.meet(name, f"Push lconn:{number}")
+    run = run_model(runnable(built.model(tmp_path), duration=1.0))
+    np.testing.assert_allclose(run.states[-1, 4:7], [1.5, 0.0, 1.5], atol=1e-6)

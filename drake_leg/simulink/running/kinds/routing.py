@@ -62,7 +62,10 @@ def mux(w: Writer) -> None:
 
 @kind("Demux", sample_time="")
 def demux(w: Writer) -> None:
-    """Take a vector apart."""
+    """Take a vector apart.
+
+    Where only their number is given, its outputs have the sizes that the mechanism takes of them.
+    """
     u = w.vector()
     if not u.code.isidentifier():
         u = w.let(u.code)
@@ -79,6 +82,9 @@ def demux(w: Writer) -> None:
         if not least:
             raise w.fault(f"takes {u.size} numbers apart into {count} outputs")
         widths = [least + (place < more) for place in range(count)]
+        wanted = [w.pen.asked.get(port, 0) for port in w.node.outputs]
+        if all(wanted) and sum(wanted) == u.size:
+            widths = wanted
     else:
         widths = asked
         rest = u.size - sum(width for width in widths if width > 0)
