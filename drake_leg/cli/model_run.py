@@ -338,7 +338,8 @@ def _status(run: ModelRun, ready: Runnable, folder: ResultsFolder, pictures: Pic
         remark(run.stopped)
     if run.complete:
         return status
+    end = run.began + ready.solver["duration"]
     return fail(
-        f"stopped at {run.ended:.9g} s of {ready.solver['duration']:g} s: {run.stopped}",
+        f"stopped at {run.ended:.9g} s of {end:g} s: {run.stopped}",
         INTERRUPTED if run.stopped == BY_HAND else STOPPED_EARLY,
     )

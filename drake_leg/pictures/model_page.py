@@ -172,15 +172,15 @@ def _verdict(summary: Mapping[str, Any] | None, missing: Sequence[str]) -> tuple
             return f"It does not run: {missing[0]}.", "lacks"
         return f"It does not run: {len(missing)} things are missing.", "lacks"
     pace = f"{summary['real_time_factor']:.3g} × real time"
+    end = summary["started_at_s"] + summary["duration_s"]
     if summary["stop_reason"] is not None:
         return (
-            f"It stopped at {summary['ended_at_s']:.6g} s of {summary['duration_s']:g} s: "
-            f"{summary['stop_reason']}.",
+            f"It stopped at {summary['ended_at_s']:.6g} s of {end:g} s: {summary['stop_reason']}.",
             "stopped",
         )
     if summary["ended_by"]:
         return f"It ran, {pace}; {summary['ended_by']}.", "ran"
-    return f"It ran to its end at {summary['duration_s']:g} s, {pace}.", "ran"
+    return f"It ran to its end at {summary['ended_at_s']:.6g} s, {pace}.", "ran"
 
 
 def _facts(

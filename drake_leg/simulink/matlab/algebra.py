@@ -236,6 +236,7 @@ ALGEBRA: dict[str, Known] = {
     "mtimes": _product("*"),
     "mrdivide": _product("/"),
     "mldivide": _product("\\"),
+    "linsolve": _product("\\"),
     "mpower": _product("^"),
     "trapz": of_values(_trapz),
     "cumtrapz": of_values(_running_trapz),

@@ -21,6 +21,7 @@ from drake_leg.simulink.matlab.data import (
 )
 from drake_leg.simulink.matlab.inputs import of_array, of_two, scalar, whole
 from drake_leg.simulink.matlab.operators import EACH
+from drake_leg.simulink.matlab.quadratic import QUADRATIC
 from drake_leg.simulink.matlab.records import RECORDS
 from drake_leg.simulink.matlab.rotations import ROTATIONS
 from drake_leg.simulink.matlab.surroundings import SURROUNDINGS
@@ -106,6 +107,7 @@ _OF_ONE: dict[str, Any] = {
     "asind": lambda x: _degrees(np.emath.arcsin(x)),
     "acosd": lambda x: _degrees(np.emath.arccos(x)),
     "atand": lambda x: _degrees(np.arctan(x)),
+    "sinc": np.sinc,
     "sinh": np.sinh,
     "cosh": np.cosh,
     "tanh": np.tanh,
@@ -187,6 +189,7 @@ KNOWN: dict[str, Known] = {
     **ARRAYS,
     **ALGEBRA,
     **CURVES,
+    **QUADRATIC,
     **TRANSFERS,
     **RECORDS,
     **{name: of_values(function) for name, function in ROTATIONS.items()},

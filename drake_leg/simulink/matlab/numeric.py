@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 VALUE_LENGTH = 20_000  # characters of a parameter
 SCRIPT_LENGTH = 200_000  # characters of a function block's code
-ELEMENTS = 10_000  # of one array of a parameter, or in a function block
+ELEMENTS = 100_000  # of one array of a parameter, or in a function block
 NESTING = 48  # operators, brackets and blocks inside one another, in one function
 CALLS = 120  # the same, over all functions that wait for another
 EXPONENT = 1_000  # of a matrix

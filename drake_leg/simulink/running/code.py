@@ -246,6 +246,11 @@ class Writer:
     # --- inputs ---
 
     @property
+    def begins(self) -> float:
+        """Time at the start [s]."""
+        return float(self.pen.scope["t"])
+
+    @property
     def count(self) -> int:
         """How many inputs the block has."""
         return len(self.node.inputs)

@@ -74,6 +74,7 @@ class Code:
     states: tuple[str, ...]  # names
     fastest: float = 0.0  # [1/s], the reciprocal of the shortest time constant of a filter
     written: Mapping[str, Call] = field(default_factory=dict)  # constants that are no numbers
+    begins: float = 0.0  # [s], the time of the signals at the start, where Drake's is 0
     lagging: tuple[str, ...] = ()  # ports of signals that motions follow by a filter of their own
     loops: tuple[AlgebraicLoop, ...] = ()  # those that are solved
 
@@ -93,8 +94,9 @@ def compile_signals(
     *,
     fixed_step: float | None = None,
     solve_loops: bool = False,
+    begins: float = 0.0,
 ) -> Code:
-    """Write the code of a network of signals.
+    """Write the code of a network of signals, which begin at a time [s].
 
     Algebraic loops are solved if ``solve_loops`` says so, or where one of their blocks asks for it.
 
@@ -103,7 +105,7 @@ def compile_signals(
     InvalidValueError
         That lists all that does not run: blocks, values, algebraic loops.
     """
-    job, problems = _attempt(network, ports, fixed_step, solve_loops)
+    job, problems = _attempt(network, ports, fixed_step, solve_loops, begins)
     refuse(problems, A_RUN)
     job.require_shapes()
     return job.code()
@@ -120,7 +122,11 @@ def lacks_for_run(network: SignalNetwork) -> list[Lack]:
 
 
 def _attempt(
-    network: SignalNetwork, ports: Ports, fixed_step: float | None, solve_loops: bool
+    network: SignalNetwork,
+    ports: Ports,
+    fixed_step: float | None,
+    solve_loops: bool,
+    begins: float = 0.0,
 ) -> tuple[_Pass, list[str]]:
     """Write all blocks until the shapes of all signals are found, and list all that fails."""
     nodes = {sid: (node, kind) for sid, node in network.nodes.items() if (kind := kind_of(node))}
@@ -137,9 +143,9 @@ def _attempt(
     widenings: Counter[AlgebraicLoop] = Counter()
     asked = _asked(network, ports)
     for _ in range(PASSES):
-        job = _Pass(
-            nodes, order, rates, ports, network, Pen(shapes, network.folders, guesses, asked)
-        )
+        pen = Pen(shapes, network.folders, guesses, asked)
+        pen.scope["t"] = begins
+        job = _Pass(nodes, order, rates, ports, network, pen)
         job.write(refused, widenings)
         if not (job.pen.wanted or job.pen.better):
             break
@@ -163,6 +169,21 @@ def _asked(network: SignalNetwork, ports: Ports) -> dict[str, int]:
 
 def _lack(node: Node, error: UnknownValueError) -> Lack:
     return Lack(sid=node.sid, parameter="", text=error.text, reason=str(error), names=error.names)
+
+
+def _said(inputs: Sequence[Operand]) -> str:
+    """Say of what kinds and sizes the inputs of a block are."""
+    if not inputs:
+        return "its parameters: choose others"
+    kinds = ", ".join(
+        "a bus"
+        if isinstance(one.value, dict)
+        else "×".join(map(str, one.shape))
+        if one.shape
+        else "a number"
+        for one in inputs
+    )
+    return f"its inputs, which are {kinds}: give it others, or replace it"
 
 
 def _without_kind(network: SignalNetwork) -> list[str]:
@@ -281,15 +302,8 @@ class _Pass:
             self._list_unknown(found or [_lack(writer.node, error)])
         except InvalidValueError as error:
             self._problems[str(error)] = None
-        except (
-            ArithmeticError,
-            ValueError,
-            IndexError,
-            TypeError,
-            KeyError,
-            AttributeError,
-        ) as error:
-            self._problems[f"{writer.about} cannot run on its inputs: {error}"] = None
+        except (ArithmeticError, LookupError, ValueError, TypeError, AttributeError):
+            self._problems[f"{writer.about} cannot run on {_said(writer.inputs)}"] = None
         else:
             return True
         return False
@@ -388,6 +402,7 @@ class _Pass:
             stops=tuple(pen.stops),
             breaks=tuple(sorted(pen.breaks)),
             waves=tuple(pen.waves),
+            begins=pen.scope["t"],
             needs_sensed="y" in u_reads,
             read_at_once=frozenset(
                 port

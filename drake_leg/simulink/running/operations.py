@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -298,6 +298,19 @@ def copied(kept: dict[str, Any]) -> dict[str, Any]:
         name: value.copy() if isinstance(value, np.ndarray) else value
         for name, value in kept.items()
     }
+
+
+def which(number: float, first: int, count: int) -> int:
+    """Place of the input that a number chooses; the last one where there is none."""
+    place = math.floor(number) - first if math.isfinite(number) else count
+    return place if 0 <= place < count else count - 1
+
+
+def picked(numbers: Array, first: int, choices: Sequence[Array]) -> Array:
+    """Pick each element out of the choice that a number of the same place chooses."""
+    places = [which(number, first, len(choices)) for number in numbers.ravel().tolist()]
+    found = [choices[place].ravel()[k] for k, place in enumerate(places)]
+    return np.array(found).reshape(numbers.shape)
 
 
 def later(history: tuple[Any, ...], t: float, value: Signal, delay: float) -> tuple[Any, ...]:

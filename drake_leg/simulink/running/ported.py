@@ -38,6 +38,7 @@ class WrittenCode(Code):
     needs_efforts: bool = False
     states: tuple[str, ...] = ()
     fastest: float = 0.0
+    begins: float = 0.0
     read_at_once: frozenset[str] = frozenset()
     calls: tuple[Callable[..., Any], ...]  # those of its functions that do something
 

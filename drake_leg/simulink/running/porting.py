@@ -55,6 +55,7 @@ TITLES = {
     "states": "their names",
     "read_at_once": "what is sensed and not only shown",
     "fastest": "of filters, the reciprocal of the shortest time constant [1/s]",
+    "begins": "time of the signals at the start [s]",
     "breaks": "times at which signals have corners [s]",
 }
 PYDRAKE = {

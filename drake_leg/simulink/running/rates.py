@@ -137,4 +137,4 @@ def next_hit(rate: Rate, time: float) -> bool:
     """Whether a rate has a sample time now."""
     period, offset = rate
     steps = (time - offset) / period
-    return steps > -1e-9 and abs(steps - round(steps)) < 1e-6
+    return (steps > -1e-9 or time < 0.0) and abs(steps - round(steps)) < 1e-6

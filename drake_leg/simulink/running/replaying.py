@@ -21,7 +21,7 @@ Joint = Any  # of Drake's, of any kind
 def positions_of(
     run: ModelRun, moved: MultibodyPlant, shown: MultibodyPlant
 ) -> tuple[Array, Array]:
-    """Return times and positions of a plant that is shown, from the states of the one that moved.
+    """Return times since the start, and positions of a plant, from the states of one that moved.
 
     A body at which a loop closes is two links in the plant that moves; the joints of the tree have
     the same names in both.
@@ -37,7 +37,7 @@ def positions_of(
             other = moved.GetJointByName(joint.name())
             start, first = joint.position_start(), other.position_start()
             q[:, start : start + count] = states[:, first : first + count]
-    return run.time[rising][finite], q[finite]
+    return run.time[rising][finite] - run.began, q[finite]
 
 
 def position_labels(plant: MultibodyPlant, others: Iterable[Label] = ()) -> tuple[Label, ...]:

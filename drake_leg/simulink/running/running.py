@@ -62,6 +62,7 @@ class ModelRun:
     shown: tuple[Shown, ...]
     states: Array  # (rows, nq + nv) of the mechanism's plant; (rows, 0) without one
     ended: float  # [s]
+    began: float = 0.0  # [s]
     stopped: str = ""  # why before its time; "" where it came to its end
     by_block: bool = False  # whether a Stop block ended it
     seconds: float = 0.0  # that the run took
@@ -140,13 +141,22 @@ def runnable(
     except UnknownValueError as error:
         refuse([str(error), *missing_for_run(network, solve_loops=solve_loops)], A_RUN)
         raise
-    fixed = solver.get("fixed step")
     _require_known(model, network, ports, solve_loops)
-    code = compile_signals(network, ports, fixed_step=fixed, solve_loops=solve_loops)
+
+    def compile_with(ports: Ports) -> Code:
+        return compile_signals(
+            network,
+            ports,
+            fixed_step=solver.get("fixed step"),
+            solve_loops=solve_loops,
+            begins=number(model.solver.get("StartTime")),
+        )
+
+    code = compile_with(ports)
     if mechanism is not None and ports.inputs:
         u = _commands(code, ports)
         ports = _ports(mechanism, u)
-        code = compile_signals(network, ports, fixed_step=fixed, solve_loops=solve_loops)
+        code = compile_with(ports)
         if not code.needs_sensed and mechanism.is_driven:
             mechanism = mechanism.driven()
     return Runnable(
@@ -161,11 +171,11 @@ def runnable(
 
 
 def _solver(model: Model, duration: float | None) -> dict[str, float]:
-    start = number(model.solver.get("StartTime"))
-    if start:
-        raise InvalidValueError(f"the model starts at {start:g} s; only a start at 0 runs")
-    stop = duration if duration is not None else number(model.solver.get("StopTime"), 10.0)
-    found = {"duration": stop}
+    begins = number(model.solver.get("StartTime"))
+    stop = number(model.solver.get("StopTime"), 10.0)
+    if duration is None and stop < begins:
+        raise InvalidValueError(f"the model starts at {begins:g} s and stops at {stop:g} s")
+    found = {"duration": stop - begins if duration is None else duration}
     if not math.isfinite(found["duration"]):
         raise InvalidValueError("the model runs for ever: give `duration`")
     longest = vector(model.solver.get("MaxStep"))
@@ -232,7 +242,7 @@ def _require_known(model: Model, network: SignalNetwork, ports: Ports, solve_loo
 def _commands(code: Code, ports: Ports) -> Array:
     with np.errstate(all="ignore"):
         u: Array = code.functions()["commands"](
-            0.0, code.x.tolist(), list(code.memory), ports.y, ports.e
+            code.begins, code.x.tolist(), list(code.memory), ports.y, ports.e
         )
     return u
 
@@ -351,11 +361,13 @@ def moments(code: Code, duration: float, base: Rate | None) -> Iterator[tuple[fl
 
 
 def corners(code: Code, duration: float) -> set[float]:
-    """Find the times during a run at which signals have corners."""
-    times = {at for at in code.breaks if 0.0 < at < duration}
+    """Find the times during a run, since its start, at which signals have corners."""
+    times = {at - code.begins for at in code.breaks if 0.0 < at - code.begins < duration}
     for period, offset in code.waves:
         if period > 0.0 and duration / period < MOST_CORNERS:
-            times |= {float(at) for at in np.arange(offset, duration, period) if at > 0.0}
+            first = offset - code.begins
+            first = first % period if code.begins < 0.0 else first
+            times |= {float(at) for at in np.arange(first, duration, period) if at > 0.0}
     return times
 
 
@@ -414,7 +426,8 @@ class _Watch:
         return self.crawls
 
     def _end(self, context: Context, why: str) -> EventStatus:
-        self.stopped = f"{why}, at {context.get_time():.6g} s"
+        time = context.get_time() + self._diagram.signals.code.begins
+        self.stopped = f"{why}, at {time:.6g} s"
         return EventStatus.ReachedTermination(self._diagram, self.stopped)
 
 
@@ -431,7 +444,7 @@ def _not_finite(diagram: ModelDiagram, context: Context) -> str:
 
 def _reason(error: Exception, context: Context, ready: Runnable) -> str:
     said = " ".join(str(error).split())[:300]
-    at = f"at {context.get_time():.6g} s"
+    at = f"at {context.get_time() + ready.code.begins:.6g} s"
     lost = (
         "" if isinstance(error, InvalidValueError) else ready.diagram.signals.what_is_not_finite()
     )
@@ -467,10 +480,11 @@ def _recorded(
         log = diagram.states.FindLog(context)
         times, states = log.sample_times().copy(), log.data().T.copy()
     return ModelRun(
-        time=times,
+        time=times + ready.code.begins,
         shown=tuple(shown),
         states=states,
-        ended=context.get_time(),
+        began=ready.code.begins,
+        ended=context.get_time() + ready.code.begins,
         stopped=watch.stopped or stopped,
         by_block=watch.by_block,
         seconds=seconds,

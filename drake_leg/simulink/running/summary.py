@@ -40,6 +40,7 @@ def summary_of(
     return {
         "model": model.name,
         "duration_s": ready.solver["duration"],
+        "started_at_s": run.began,
         "ended_at_s": run.ended,
         "stopped_at_s": None if run.complete else run.ended,
         "stop_reason": None if run.complete else run.stopped,
@@ -47,7 +48,7 @@ def summary_of(
         "rows": len(run.time),
         "steps": run.steps,
         "wall_time_s": run.seconds,
-        "real_time_factor": run.ended / run.seconds if run.seconds else 0.0,
+        "real_time_factor": (run.ended - run.began) / run.seconds if run.seconds else 0.0,
         "solver": {
             "of_the_file": solver_of(model),
             "here": {

@@ -109,7 +109,7 @@ class SignalSystem(LeafSystem):
 
     def _declare_events(self) -> None:
         """Let the sampled blocks run at their times, and others at every major step."""
-        self.base: Rate | None = base_rate(self.code.rates)
+        self.base = _seen_from(self.code.begins, base_rate(self.code.rates))
         self.has_events = self.base is not None or self.code.has_major
         if self.base is not None:
             period, offset = self.base
@@ -131,7 +131,10 @@ class SignalSystem(LeafSystem):
     def _own(self, context: Context) -> tuple[float, list[float], Memory]:
         x = context.get_continuous_state_vector().CopyToVector().tolist()
         memory = context.get_abstract_state(int(self._memory)).get_value()
-        return context.get_time(), x, memory
+        return self._time(context), x, memory
+
+    def _time(self, context: Context) -> float:
+        return float(context.get_time() + self.code.begins)
 
     def _calc_commands(self, context: Context, output: BasicVector) -> None:
         sensed = self._none
@@ -205,8 +208,8 @@ class SignalSystem(LeafSystem):
         memory = self._own(self.GetMyContextFromRoot(context))[2]
         none, senses = self._none, sense if code.read_at_once else None
 
-        def rates(t: float, x: Array) -> Array:
-            states, sensed = x.tolist(), none
+        def rates(time: float, x: Array) -> Array:
+            t, states, sensed = time + code.begins, x.tolist(), none
             if senses is not None:
                 sensed = senses(self._commands(t, states, memory, none, none))
             found: Array = self._derivatives(t, states, memory, sensed, none)
@@ -278,7 +281,7 @@ class SignalSystem(LeafSystem):
         return samples or steps
 
     def _sample(self, context: Context, state: State) -> EventStatus:
-        hits = [next_hit(rate, context.get_time()) for rate in self.code.rates]
+        hits = [next_hit(rate, self._time(context)) for rate in self.code.rates]
         return self._event(context, state, hits, step=False)
 
     def _step(self, context: Context, state: State) -> EventStatus:
@@ -327,6 +330,15 @@ def base_rate(rates: Sequence[Rate]) -> Rate | None:
             f"the sample times {listed} s have no common measure: make them multiples of one"
         )
     return base, 0.0
+
+
+def _seen_from(begins: float, rate: Rate | None) -> Rate | None:
+    """Return a rate by a clock that is 0 at a time."""
+    if rate is None or not begins:
+        return rate
+    period, offset = rate
+    late = (offset - begins) % period
+    return period, 0.0 if period - late < 1e-9 * period else late
 
 
 def _common(a: float, b: float) -> float:

@@ -270,3 +270,23 @@ def test_a_prelookup_and_an_interpolation_are_a_table(at, beyond, tmp_path):
     found = rig.values(tmp_path)
     assert found["line"] == pytest.approx(found["same line"])
     assert found["plane"] == pytest.approx(found["same plane"])
+
+
+def test_a_multiport_switch_chooses_whole_numbers_or_the_last(tmp_path):
+    rig = Rig()
+    a, b, c = (rig.constant(text) for text in ("[1 2]", "[3 4]", "7"))
+    for control in ("1", "2.9", "0", "5", "3"):
+        rig.show(
+            rig.block("MultiPortSwitch", f"switch {control}", rig.constant(control), a, b, c,
+                      Inputs="3"),
+            f"of {control}",
+        )  # fmt: skip
+    each = rig.constant("[3 1]")
+    rig.show(rig.block("MultiPortSwitch", "each", each, a, b, c, Inputs="3"), "each")
+    rig.show(rig.block("MultiPortSwitch", "entry", rig.constant("2"), a, Inputs="1"), "entry")
+    values = rig.values(tmp_path)
+    assert [values[f"of {control}"].tolist() for control in ("1", "2.9", "0", "5", "3")] == [
+        [1.0, 2.0], [3.0, 4.0], [7.0, 7.0], [7.0, 7.0], [7.0, 7.0],
+    ]  # fmt: skip
+    assert values["each"].tolist() == [7.0, 2.0]
+    assert values["entry"] == 2.0

@@ -138,7 +138,7 @@ def _derivative_after(w: Writer) -> None:
 def derivative(w: Writer) -> None:
     """Take the slope since the last major step, or the derivative of a filtered signal."""
     u = w.numeric()
-    before, at = w.remembered(u.value, number=0), w.remembered(0.0, number=1)
+    before, at = w.remembered(u.value, number=0), w.remembered(w.begins, number=1)
     slope = w.remembered(zero_like(u.value), number=2)
     w.kept["slope"] = w.out(
         f"({u.code} - {before.code}) / (t - {at.code}) if t > {at.code} + 1e-12 else {slope.code}"

@@ -133,7 +133,7 @@ def rate_limiter(w: Writer) -> None:
     )
     u, (up, down) = _with(w, u, rising, falling)
     before = w.remembered(u.value)
-    at = w.remembered(0.0, number=1)
+    at = w.remembered(w.begins, number=1)
     since = f"(t - {at.code})"
     moved = Operand(code=f"{u.code} - {before.code}", value=u.value)
     low, high = f"{down} * {since}", f"{up} * {since}"

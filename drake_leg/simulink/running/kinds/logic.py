@@ -129,17 +129,25 @@ def manual(w: Writer) -> None:
 
 @kind("MultiPortSwitch")
 def multiport(w: Writer) -> None:
-    """Pass on the input that the first one numbers."""
+    """Pass on the input that the first one numbers, for each of its elements if it has several."""
     zero_based = w.settings.text("DataPortOrder", "One-based contiguous").startswith("Zero")
     first = 0 if zero_based else 1
     choices = [w.input(place) for place in range(1, w.count)]
-    number = f"round({w.input(0).code}) - {first}"
     if len(choices) == 1:
-        u = choices[0]
-        w.out(u.code if u.is_scalar else f"float({u.code}[{number}])")
+        u, control = w.vector(1), w.number(0)
+        w.out(f"float({u.code}[which({control.code}, {first}, {u.size})])")
+        return
+    control = w.numeric(0)
+    if control.size > 1:
+        control, *choices = w.alike([control, *choices])
+        rows = ", ".join(
+            f"np.broadcast_to({one.code}, {control.shape})" if one.is_scalar else one.code
+            for one in choices
+        )
+        w.out(f"picked({control.code}, {first}, ({rows},))")
         return
     codes = ", ".join(one.code for one in _one_shape(w, choices))
-    w.out(f"({codes},)[min(max({number}, 0), {len(choices) - 1})]")
+    w.out(f"({codes},)[which({w.number(0).code}, {first}, {len(choices)})]")
 
 
 def _one_shape(w: Writer, operands: list[Operand]) -> list[Operand]:

@@ -108,7 +108,7 @@ def test_it_is_known_whether_a_call_leaves_something(body, keeps):
         ("function y = f(u)\ny = u;", (), r"f has 1 inputs \(u\), but is given 0"),
         ("function y = f(u)\ny = u;", ("it", 2), r"f has 1 inputs \(u\), but is given 2"),
         ("function y = f(u)\ny = u;", (object(),), "line 1: 'u' is given <object"),
-        ("function y = f(u)\ny = u;", (np.zeros(10_001),), "an array of 10001; it may have"),
+        ("function y = f(u)\ny = u;", (np.zeros(100_001),), "an array of 100001; it may have"),
         ("function y = f(u)\ny = 'a';", (1.0,), "line 1: the text 'a' is not a number"),
         ("function y = f(u)\ny = {u};", (1.0,), "the output 'y' is a cell"),
     ],
