@@ -526,6 +526,7 @@ _SIMULINK: dict[str, Parameters] = {
     "Algebraic Constraint": numbers(z0="0"),
     "Compare To Constant": choices(relop="<=", const="3"),
     "Compare To Zero": choices(relop="<="),
+    "S-R Flip-Flop": numbers(initial_condition="0"),
 }
 
 _SIMULINK_WITHOUT_TABLE = """

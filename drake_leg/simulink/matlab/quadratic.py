@@ -45,10 +45,10 @@ def least_quadratic(
     x: Array = np.zeros(n)
     free: Array = np.eye(n)
     if equal is not None and len(equal[1]):
-        x = np.linalg.lstsq(equal[0], equal[1], rcond=None)[0]
+        x = np.asarray(np.linalg.lstsq(equal[0], equal[1], rcond=None)[0], dtype=np.float64)
         if _is_off(equal[0] @ x - equal[1], equal[1]):
             raise MatlabError("'quadprog': nothing meets the equations")
-        free = scipy.linalg.null_space(equal[0])
+        free = np.asarray(scipy.linalg.null_space(equal[0]), dtype=np.float64)
     if not free.shape[1]:
         _require_kept(at_most, x)
         return x

@@ -118,7 +118,8 @@ def mechanism_of(model: Model) -> Mechanism:
         raise InvalidValueError(
             f"the model {model.name!r} holds no mechanism: it has no solid and no joint"
         )
-    refuse([_impossible(body) for body in mechanism.bodies if not body.properties.is_possible])
+    moving = mechanism.bodies[1:]  # what is fixed to the world may weigh anything
+    refuse([_impossible(body) for body in moving if not body.properties.is_possible])
     return mechanism
 
 

@@ -189,7 +189,7 @@ def prove_mechanism(
         worst = np.maximum(worst, found)
     return MechanismProof(
         frames=frames,
-        solids=len(mechanism.connections.solids),
+        solids=len(_weighed(mechanism)),
         postures=postures,
         pose=float(worst[0]),
         mass=float(worst[1]),
@@ -234,7 +234,7 @@ def _inertias_apart(
 ) -> tuple[float, float]:
     """Return how far mass and inertia of all, about the world's origin, are apart."""
     ours = np.zeros((4, 4))
-    for frame, solid in mechanism.connections.solids:
+    for frame, solid in _weighed(mechanism):
         ours += _second_moments(
             solid.properties.mass, solid.properties.center, solid.properties.inertia, X_WF[frame]
         )
@@ -250,6 +250,13 @@ def _inertias_apart(
     scale = max(np.abs(ours).max(), np.finfo(float).tiny)
     mass = abs(ours[3, 3] - theirs[3, 3]) / max(ours[3, 3], np.finfo(float).tiny)
     return float(mass), float(np.abs(ours - theirs).max() / scale)
+
+
+def _weighed(mechanism: Mechanism) -> list[tuple[Frame, Solid]]:
+    """List the solids that weigh in the plant: not those on the world if nothing weighs like it."""
+    world = mechanism.bodies[0]
+    left = () if world.properties.is_possible else [solid for solid, _ in world.solids]
+    return [each for each in mechanism.connections.solids if each[1] not in left]
 
 
 def _second_moments(mass: float, center: Array, inertia: Array, X_WB: Array) -> Array:

@@ -183,7 +183,7 @@ def _add_axis(joint: ET.Element, primitive: Primitive, sign: float) -> None:
 
 
 def _add_mass(link: ET.Element, body: Body | None) -> None:
-    if body is None or body.properties.mass == 0.0:
+    if body is None or body.properties.mass == 0.0 or not body.properties.is_possible:
         add_inertial(link, CENTRED, 0.0, CENTRED)
         return
     properties = body.properties

@@ -146,3 +146,15 @@ def test_a_scene_shows_every_shape(tmp_path):
     scene = mechanism_scene(mechanism, paths)
     (graph,) = [s for s in scene.GetSystems() if s.get_name() == "scene_graph"]
     assert graph.model_inspector().num_geometries() == len(shapes)
+
+
+def test_what_is_fixed_to_the_world_may_have_any_inertia(tmp_path):
+    built = pendulum()
+    built.body("Brick Solid", "Wall", BrickDimensions="[1 1 1]", InertiaType="Custom",
+               MomentsOfInertia="[1 1 5]")  # fmt: skip
+    built.meet("World", "Wall")
+    mechanism = built.mechanism(tmp_path)
+    plant = mechanism_plant(mechanism)
+    proof = prove_mechanism(mechanism, plant)
+    assert (proof.holds, proof.solids) == (True, 1)
+    assert plant.num_positions() == 1

@@ -230,3 +230,68 @@ def test_a_controller_takes_its_gains_from_ports(domain, UseFilter, tmp_path):
     run = rig.run(tmp_path)
     assert np.ptp(shown(run, "a")) > 1.0
     np.testing.assert_allclose(shown(run, "b"), shown(run, "a"), rtol=0, atol=1e-12)
+
+
+def test_discrete_filters_start_at_states_that_are_the_same(tmp_path):
+    rig = Rig()
+    u = rig.block("ZeroOrderHold", "hold", rig.constant("6"), SampleTime="0.1")
+    texts = {"Numerator": "[0.25 0 0 0 -0.25]", "Denominator": "[1 0 0 0 0]", "InitialStates": "4"}
+    for kind in ("DiscreteTransferFcn", "DiscreteFilter"):
+        rig.show(rig.block(kind, kind, u, SampleTime="0.1", **texts), kind)
+    rig.show(rig.block("DiscreteFir", "fir", u, Coefficients="[0.5 0.5]", InitialStates="4"), "fir")
+    run = rig.run(tmp_path)
+    early = np.where(run.time < 0.4 - 1e-9, 0.5, 0.0)
+    np.testing.assert_allclose(shown(run, "DiscreteTransferFcn"), early, atol=1e-12)
+    np.testing.assert_allclose(shown(run, "DiscreteFilter"), early, atol=1e-12)
+    np.testing.assert_allclose(shown(run, "fir"), np.where(run.time < 0.1 - 1e-9, 5.0, 6.0))
+
+
+@pytest.mark.parametrize(
+    "texts",
+    [
+        {"InitialStates": "[1 2]", "Denominator": "[1 0.5 0.2]"},
+        {"InitialStates": "1", "Denominator": "[2 0.5]"},
+        {"InitialStates": "1", "FilterStructure": "Direct form I"},
+    ],
+)
+def test_other_initial_states_of_filters_are_refused(texts, tmp_path):
+    rig = Rig()
+    rig.show(rig.block("DiscreteFilter", "odd", rig.constant("1"), **texts), "y")
+    with pytest.raises(InvalidValueError, match=r"'odd'.* has InitialStates"):
+        rig.run(tmp_path)
+
+
+def test_a_flip_flop_is_set_reset_and_holds(tmp_path):
+    rig = Rig()
+    s = rig.block("DiscretePulseGenerator", "s", Period="0.4", PulseWidth="50")
+    r = rig.block("DiscretePulseGenerator", "r", Period="0.6", PulseWidth="50", PhaseDelay="0.3")
+    flip = rig.add_library("simulink_extras/Flip Flops/S-R Flip-Flop", "flip",
+                           {"initial_condition": "1"}, ports={"in": 2, "out": 2})  # fmt: skip
+    rig.connect(s, f"{flip}#in:1")
+    rig.connect(r, f"{flip}#in:2")
+    rig.show(f"{flip}#out:1", "q")
+    rig.show(f"{flip}#out:2", "not q")
+    rig.show(s, "s")
+    rig.show(r, "r")
+    run = rig.run(tmp_path, 2.0)
+    q, state = [], 1.0
+    for set_, reset in zip(shown(run, "s"), shown(run, "r"), strict=True):
+        state = float((set_ or state) and not reset)
+        q.append(state)
+    np.testing.assert_array_equal(shown(run, "q"), q)
+    expected = (shown(run, "s") == 0.0) & (np.array(q) == 0.0)
+    np.testing.assert_array_equal(shown(run, "not q"), expected)
+
+
+def test_what_is_open_is_as_wide_as_a_matrix_needs(tmp_path):
+    rig = Rig()
+    inport = rig.add_block("Inport", "in", {"Port": "1"}, ports={"out": 1})
+    rig.add_block("Inport", "idle", {"Port": "2"}, ports={"out": 1})
+    times = {"Gain": "[1 2 3; 4 5 6]", "Multiplication": "Matrix(K*u)"}
+    added = rig.block("Sum", "sum", rig.block("Gain", "K", inport, **times), rig.constant("[7 8]"))
+    rig.show(added, "y")
+    times["Multiplication"] = "Matrix(u*K)"
+    rig.show(rig.block("Gain", "u*K", inport, **times), "row")
+    values = rig.values(tmp_path)
+    assert values["y"].tolist() == [7.0, 8.0]
+    assert np.ravel(values["row"]).tolist() == [0.0, 0.0, 0.0]

@@ -158,17 +158,33 @@ def _matrices(kind_of_block: str, s: Settings) -> tuple[np.ndarray, ...]:
 @kind("DiscreteTransferFcn", "DiscreteFilter", "DiscreteStateSpace", "DiscreteFir",
       "DiscreteZeroPole", finish=_filter_after, direct=_filter_inputs, sampled=True)  # fmt: skip
 def discrete_filter(w: Writer) -> None:
-    """Filter by a discrete linear system, from rest."""
+    """Filter by a discrete linear system, from rest or from states that are all the same."""
     A, B, C, D = _matrices(w.node.block.type, w.settings)
     w.kept["linear"] = A, B
     codes = []
     if A.shape[0]:
-        x = w.remembered(np.zeros(A.shape[0]))
+        x = w.remembered(_initial_states(w, A.shape[0]))
         w.kept["x"] = x.code
         codes.append(f"{w.constant(C, 'C')} @ {x.code}")
     if np.any(D) or not codes:
         codes.append(f"{w.constant(D, 'D')} @ {w.vector(0).code}")
     w.out(f"settled({' + '.join(codes)})")
+
+
+def _initial_states(w: Writer, count: int) -> np.ndarray:
+    """Return the states at the start, of which all are the same: their order does not matter."""
+    values = w.settings.numbers("InitialStates", "0")
+    leading = w.settings.numbers("Denominator", "1")[:1]
+    if not np.any(values):
+        return np.zeros(count)
+    structure = w.settings.text("FilterStructure", "Direct form II")
+    usual = structure in ("Direct form", "Direct form II") and np.all(leading == 1.0)
+    if np.ptp(values) or values.size not in (1, count) or not usual:
+        raise w.fault(
+            f"has InitialStates {w.settings.text('InitialStates')!r}, which do not run: "
+            "choose one number, and a denominator that begins with 1"
+        )
+    return np.full(count, values[0])
 
 
 @kind("Discrete Derivative", "Difference", finish=_input_after, sampled=True)

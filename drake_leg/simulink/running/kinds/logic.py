@@ -238,3 +238,13 @@ def detect(w: Writer) -> None:
     sign = {"Detect Change": "!=", "Detect Increase": ">", "Detect Decrease": "<"}
     code = f"{u.code} {sign[w.node.block.kind]} {before.code}"
     w.out(f"float({code})" if u.is_scalar else f"({code}).astype(float)")
+
+
+@kind("S-R Flip-Flop", finish=lambda w: w.remember(w.kept["q"]), major=True)
+def flip_flop(w: Writer) -> None:
+    """Set, reset or hold; both outputs are 0 where it is set and reset at once."""
+    s, r = w.number(0), w.number(1)
+    before = w.remembered(w.settings.number("initial_condition", "0"))
+    held = f"({s.code} != 0.0 or {before.code} != 0.0)"
+    w.kept["q"] = w.out(f"float({held} and {r.code} == 0.0)", 0).code
+    w.out(f"float({s.code} == 0.0 and {w.kept['q']} == 0.0)", 1)

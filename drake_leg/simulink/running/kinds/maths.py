@@ -27,6 +27,9 @@ def gain(w: Writer) -> None:
     name = "gain" if w.node.block.kind == "Slider Gain" else "Gain"
     matrix = w.settings.matrix(name, "1")
     how = w.settings.text("Multiplication", "Element-wise(K.*u)")
+    if w.is_open(0) and not how.startswith("Element-wise"):
+        zeros = np.zeros(matrix.shape[0 if "u*K" in how else 1])
+        u = Operand(code=w.constant(zeros), value=zeros)
     if how.startswith("Element-wise") or (matrix.size == 1 and u.is_scalar):
         factor = as_signal(matrix)
         k = Operand(code=w.constant(factor), value=factor)

@@ -37,10 +37,7 @@ USUAL: Mapping[str, Usual] = {
         "LimitDXDT": ("off",),
         "LimitX": ("off",),
     },
-    "DiscreteFilter": {"InitialStates": ("0",)},
-    "DiscreteFir": {"InitialStates": ("0",)},
     "DiscreteStateSpace": {"InitialCondition": ("0",), "X0": ("0",)},
-    "DiscreteTransferFcn": {"InitialStates": ("0",)},
     "Delay": {
         "DelayLengthSource": ("Dialog",),
         "ExternalReset": ("None",),

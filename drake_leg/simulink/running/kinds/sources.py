@@ -323,7 +323,7 @@ def inport(w: Writer) -> None:
         return
     shape = tuple(int(each) for each in w.settings.numbers("PortDimensions", "-1"))
     if min(shape) < 1:
-        w.pen.open.add(w.node.outputs[0])
+        w.pen.open |= set(w.node.outputs)
         w.out("0.0")
     else:
         w.out("0.0" if shape == (1,) else f"zeros({shape})")
