@@ -216,15 +216,12 @@ def sensed_of_transform(block: Block, base: Place, follower: Place, ports: Ports
 
 UNKNOWN = (
     "SenseAngle1", "SenseAngle2", "SenseAngle3", "SenseOmega1", "SenseOmega2", "SenseOmega3",
-    "SenseAlpha1", "SenseAlpha2", "SenseAlpha3", "SenseRotationSequenceDot",
-    "SenseRotationSequenceDDot", "SenseQDDot", "SenseRDDot", "SenseRadDDot", "SenseAzimDDot",
-    "SenseDistDDot", "SenseIncDDot",
+    "SenseAlpha1", "SenseAlpha2", "SenseAlpha3", "SenseRotationSequenceDDot", "SenseQDDot",
+    "SenseRDDot", "SenseRadDDot", "SenseAzimDDot", "SenseDistDDot", "SenseIncDDot",
 )  # fmt: skip
 
 
 def _rotation(block: Block, seen: Relative, ports: Ports) -> Iterator[Quantity]:
-    sequence = str(block.parameters.get("RotationSequence", "XYX"))
-
     def angle(moment: Moment) -> float:
         return float(np.linalg.norm(rotvec(seen.rotation(moment))))
 
@@ -234,7 +231,7 @@ def _rotation(block: Block, seen: Relative, ports: Ports) -> Iterator[Quantity]:
         return turn / length if length else np.array([0.0, 0.0, 1.0])
 
     def angles(moment: Moment) -> Array:
-        found: Array = Rotation.from_matrix(seen.rotation(moment)).as_euler(sequence)
+        found: Array = Rotation.from_matrix(seen.rotation(moment)).as_euler(_sequence(block))
         return found
 
     if is_on(block, "SenseAngle"):
@@ -251,7 +248,14 @@ def _rotation(block: Block, seen: Relative, ports: Ports) -> Iterator[Quantity]:
         yield Quantity(port=ports.next(), shape=(3,), of_state=angles)
 
 
+def _sequence(block: Block) -> str:
+    return str(block.parameters.get("RotationSequence", "XYX"))
+
+
 def _turning(block: Block, seen: Relative, ports: Ports) -> Iterator[Quantity]:
+    def angle_rates(moment: Moment) -> Array:
+        return _rates_of_angles(_sequence(block), seen.rotation(moment), seen.turning(moment))
+
     def quaternion_rate(moment: Moment) -> Array:
         w, x, y, z = quaternion(seen.rotation(moment)).tolist()
         rates = np.array([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]])
@@ -268,7 +272,20 @@ def _turning(block: Block, seen: Relative, ports: Ports) -> Iterator[Quantity]:
         yield Quantity(port=ports.next(), shape=(4,), of_state=quaternion_rate)
     if is_on(block, "SenseRDot"):
         yield Quantity(port=ports.next(), shape=(3, 3), of_state=matrix_rate)
+    if is_on(block, "SenseRotationSequenceDot"):
+        yield Quantity(port=ports.next(), shape=(3,), of_state=angle_rates)
     yield from _vector(block, "SenseAlpha", ports, of_response=seen.angular_acceleration)
+
+
+def _rates_of_angles(sequence: str, R_BF: Array, w_BF_F: Array) -> Array:
+    """Return the rates of body-fixed angles [rad/s]; the smallest ones in a gimbal lock."""
+    angles = Rotation.from_matrix(R_BF).as_euler(sequence)
+    axes = np.eye(3)[["XYZ".index(letter) for letter in sequence]]
+    last = Rotation.from_euler(sequence[2], angles[2])
+    later = Rotation.from_euler(sequence[1:], angles[1:])
+    turned = [later.inv().apply(axes[0]), last.inv().apply(axes[1]), axes[2]]
+    found: Array = np.linalg.lstsq(np.column_stack(turned), w_BF_F, rcond=1e-12)[0]
+    return found
 
 
 def _vector(

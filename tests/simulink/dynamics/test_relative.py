@@ -9,9 +9,10 @@ from drake_leg.errors import InvalidValueError
 
 FRAMES = ("World", "Base", "Follower", "NonRotatingBase", "NonRotatingFollower")
 SWITCHES = (
-    "SenseAngle", "SenseAxis", "SenseQ", "SenseR", "SenseOmega", "SenseQDot", "SenseRDot",
-    "SenseAlpha", "SenseX", "SenseXYZ", "SenseRad", "SenseAzim", "SenseDist", "SenseInc",
-    "SenseXYZDot", "SenseRadDot", "SenseAzimDot", "SenseDistDot", "SenseIncDot", "SenseXYZDDot",
+    "SenseAngle", "SenseAxis", "SenseQ", "SenseR", "SenseRotationSequence", "SenseOmega",
+    "SenseQDot", "SenseRDot", "SenseRotationSequenceDot", "SenseAlpha", "SenseX", "SenseXYZ",
+    "SenseRad", "SenseAzim", "SenseDist", "SenseInc", "SenseXYZDot", "SenseRadDot",
+    "SenseAzimDot", "SenseDistDot", "SenseIncDot", "SenseXYZDDot",
 )  # fmt: skip
 
 
@@ -24,7 +25,8 @@ def two_arms(frame):
         built.body("Ellipsoidal Solid", name, EllipsoidRadii="[0.1 0.2 0.3]")
         built.meet(f"J{name}", f"T{name} lconn:1", name)
     built.meet("World", "JA lconn:1", "JB lconn:1")
-    texts = dict.fromkeys(SWITCHES, "on") | {"MeasurementFrame": frame}
+    texts = dict.fromkeys(SWITCHES, "on")
+    texts |= {"MeasurementFrame": frame, "RotationSequence": "ZYX"}
     built.frame("Transform Sensor", "Sensor", **texts)
     built.meet("TA", "Sensor lconn:1")
     built.meet("TB", "Sensor")
@@ -50,7 +52,7 @@ def test_what_is_sensed_is_the_derivative_of_what_is_sensed(tmp_path, frame):
     step = 1e-6
     before, after = (measured(system, built, state + s * step * rate)[0] for s in (-1, 1))
     slope = {name: (after[name] - before[name]) / (2 * step) for name in SWITCHES}
-    turning = ("SenseQ", "SenseR")
+    turning = ("SenseQ", "SenseR", "SenseRotationSequence")
     for name in turning:
         np.testing.assert_allclose(here[f"{name}Dot"], slope[name], atol=1e-8)
     if frame.startswith("NonRotating"):
