@@ -100,7 +100,8 @@ def simulated(
     """Simulate a diagram as `drake-leg run` simulates its model.
 
     ``start`` is what enters the mechanism at the start; ``solver`` has the ``duration`` [s], and
-    where the model's file has them, its ``tolerance``, ``longest_step`` [s] and ``fixed_step`` [s].
+    where the model's file has them, its ``tolerance``, ``longest_step`` [s] and ``fixed_step`` [s];
+    it has ``stiff`` where the file's solver is one for stiff systems.
     """
     ready = Runnable(
         name=name,

@@ -38,6 +38,8 @@ SHORTEST_STEP = 1e-10  # of the duration
 MOST_CORNERS = 100_000
 # Contact is stiff, and a model that takes short steps: implicit steps as of ode15s are longer.
 STIFF_ACCURACY = 1e-3
+STIFF_SOLVERS = ("ode15s", "ode23s", "ode23t", "ode23tb", "daessc", "ode14x", "ode1be")
+FINEST = 1e-10  # accuracy that a file may ask for
 OWN_ACCURACY = 1e-5  # at most, of own steps: finer ones cost little
 WINDOW = 300  # steps over which the mean is taken
 CRAWLING = 3e-3  # [s]: a model of n states is stiff below a mean of this over (n + 16)
@@ -171,23 +173,31 @@ def runnable(
 
 
 def _solver(model: Model, duration: float | None) -> dict[str, float]:
-    begins = number(model.solver.get("StartTime"))
-    stop = number(model.solver.get("StopTime"), 10.0)
-    if duration is None and stop < begins:
-        raise InvalidValueError(f"the model starts at {begins:g} s and stops at {stop:g} s")
-    found = {"duration": stop - begins if duration is None else duration}
+    found = {"duration": _span(model) if duration is None else duration}
     if not math.isfinite(found["duration"]):
         raise InvalidValueError("the model runs for ever: give `duration`")
     longest = vector(model.solver.get("MaxStep"))
     if longest and math.isfinite(longest[0]):
         found["longest step"] = longest[0]
-    tolerance = vector(model.solver.get("RelTol"))
-    if tolerance:
-        found["tolerance"] = tolerance[0]
+    tolerances = vector(model.solver.get("RelTol"))
+    if not has_mechanism(model):  # its states are of the size of 1; those of signals may be small
+        tolerances = (*tolerances, *vector(model.solver.get("AbsTol")))
+    if positive := [each for each in tolerances if each > 0.0]:
+        found["tolerance"] = max(min(positive), FINEST)
+    if model.solver.get("Solver") in STIFF_SOLVERS:
+        found["stiff"] = 1.0
     if model.solver.get("SolverType") == "Fixed-step":
         step = vector(model.solver.get("FixedStep"))
         found["fixed step"] = step[0] if step else found["duration"] / STEPS
     return found
+
+
+def _span(model: Model) -> float:
+    """Return how long a model runs by itself [s]."""
+    begins, ends = number(model.solver.get("StartTime")), number(model.solver.get("StopTime"), 10.0)
+    if ends < begins:
+        raise InvalidValueError(f"the model starts at {begins:g} s and stops at {ends:g} s")
+    return ends - begins
 
 
 def _ports(mechanism: MechanismSystem | DrivenMechanism | None, u: Array | None) -> Ports:
@@ -326,9 +336,9 @@ def _config(ready: Runnable, accuracy: float | None) -> SimulatorConfig:
 
 def _is_stiff(ready: Runnable, config: SimulatorConfig) -> bool:
     """Tell what is known before: bodies may touch, or signals alone are integrated, some fast."""
-    is_integrated = isinstance(ready.diagram.mechanism, MechanismSystem)
-    is_fast = ready.code.fastest * config.max_step_size > FAST and not is_integrated
-    return is_fast or config.integration_scheme == STIFF
+    if isinstance(ready.diagram.mechanism, MechanismSystem):
+        return bool(config.integration_scheme == STIFF)
+    return "stiff" in ready.solver or bool(ready.code.fastest * config.max_step_size > FAST)
 
 
 def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
