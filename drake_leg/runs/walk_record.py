@@ -12,7 +12,12 @@ from scipy.spatial.transform import Rotation
 from drake_leg.diagrams.hexapod import TOUCH_DOWNS, HexapodConfig, contact_rows
 from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.walking.gaits import Motion
-from drake_leg.kinematics.walking.margins import on_ground, support_margin, supporting
+from drake_leg.kinematics.walking.margins import (
+    LOADED,
+    on_ground,
+    support_margin,
+    supporting,
+)
 from drake_leg.kinematics.walking.power import gear_friction, motor_torque
 from drake_leg.kinematics.walking.touch_down import SWINGS
 from drake_leg.kinematics.walking.weights import centres_of_mass, total_mass
@@ -21,6 +26,7 @@ from drake_leg.simulation.run import Run
 
 SETTLED = 0.5  # [s]: until then a robot that was put on its feet sinks into its contacts
 OVERTURNED = np.radians(45.0)  # tilt of a robot that has fallen
+DEEPEST = 1e-3  # [m] that a foot is in the ground; beyond it stands before a riser
 COLLAPSED = 0.5  # of its planned height over the ground: a robot that is lower has fallen
 
 
@@ -114,12 +120,17 @@ class WalkRecord:
         return self.config.walk.down(self.time)
 
     @cached_property
-    def centre_of_mass(self) -> Array:
-        """Of the whole robot, (rows, 3) [m]."""
+    def links(self) -> Array:
+        """Poses X_BL of the base and of every row, (rows, m + 1, 4, 4)."""
         q = self.q.reshape(len(self.time), -1)
         X_BL = base_transforms(self.config.robot.rows, q)
-        X_BL = np.concatenate([np.tile(np.eye(4), (len(q), 1, 1, 1)), X_BL], axis=1)
-        return _placed(self.body, centres_of_mass(self.config.robot, X_BL)[:, np.newaxis])[:, 0]
+        return np.concatenate([np.tile(np.eye(4), (len(q), 1, 1, 1)), X_BL], axis=1)
+
+    @cached_property
+    def centre_of_mass(self) -> Array:
+        """Of the whole robot, (rows, 3) [m]."""
+        centres = centres_of_mass(self.config.robot, self.links)
+        return _placed(self.body, centres[:, np.newaxis])[:, 0]
 
     @cached_property
     def under_centre_of_mass(self) -> Array:
@@ -182,14 +193,18 @@ class WalkRecord:
     def slips(self) -> Array:
         """How far a foot moves on the ground in each of its stances, (stances,) [m].
 
-        From where it was when its load began; stances that the record cuts short count, too.
+        While the ground presses on it, from where it was when that began; stances that the record
+        cuts short count, too.
         """
+        stands = self.planned_down & self.loaded & self.settled[:, np.newaxis]
+        presses = self.forces[..., 2] > LOADED * self.weight
         found = []
-        for foot in range(self.feet.shape[1]):
-            stands = self.planned_down[:, foot] & self.loaded[:, foot] & self.settled
-            for first, last in intervals(stands):
-                places = self.feet[first:last, foot, :2]
-                found.append(np.linalg.norm(places - places[0], axis=1).max())
+        for foot in range(stands.shape[1]):
+            for first, last in intervals(stands[:, foot]):
+                rows = first + np.flatnonzero(presses[first:last, foot])
+                if len(rows):
+                    ways = self._ways[rows, foot]
+                    found.append(np.linalg.norm(ways - ways[0], axis=1).max())
         return np.array(found)
 
     @cached_property
@@ -211,6 +226,23 @@ class WalkRecord:
         states = self.run.scopes[TOUCH_DOWNS]
         entered = states[1:][states[1:] != states[:-1]]
         return {state: int((entered == state).sum()) for state in range(SWINGS)}
+
+    @cached_property
+    def _ways(self) -> Array:
+        """Where the matter that touches the ground has come to, (rows, n, 2) [m].
+
+        A foot is a little below the surface, as contact gives way, or above it by the radius of its
+        ball. What is at the surface stays there while the foot moves as its link turns; that is no
+        slip, just as the rolling of a wheel is none.
+        """
+        R_GB, tips = self.body[:, np.newaxis, :3, :3], list(self.config.robot.tips.values())
+        R_GF = R_GB @ self.links[:, tips, :3, :3]
+        x, y, z = np.moveaxis(self.feet, -1, 0)
+        depth = np.minimum(self.config.ground.height(x, y) - z, DEEPEST)
+        turned = np.einsum("tnij,tnj->tni", R_GF[1:, :, :2], R_GF[:-1, :, 2])
+        turned *= (depth[1:] + depth[:-1])[..., np.newaxis] / 2.0
+        moved = np.diff(self.feet[..., :2], axis=0) + turned
+        return np.concatenate([self.feet[:1, :, :2], self.feet[0, :, :2] + moved.cumsum(axis=0)])
 
     @cached_property
     def _contact(self) -> Array:

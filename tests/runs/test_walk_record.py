@@ -5,7 +5,7 @@ from pydrake.systems.framework import DiagramBuilder
 from drake_leg.diagrams.hexapod import HexapodConfig, build, start_walking
 from drake_leg.kinematics.walking.gaits import Command
 from drake_leg.kinematics.walking.plan import walk_of
-from drake_leg.models.walker import add_walker
+from drake_leg.models.walker import Contact, add_walker
 from drake_leg.robot.ground import Ground, Steps
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.runs.walk_record import WalkRecord
@@ -71,8 +71,16 @@ def test_power_is_balanced(record):
 
 def test_slips_and_swings_are_counted_by_stances(record):
     assert len(record.slips) > 12
-    assert record.slips.max() < 2e-4
+    assert record.slips.max() < 1.2e-4
     np.testing.assert_allclose(record.swing_heights, 0.03, atol=1e-3)
+
+
+@pytest.mark.slow
+def test_the_rolling_of_a_ball_is_no_slip():
+    rolling = recorded(2.0, contact=Contact(foot_radius=0.006))
+    stance = rolling.planned_down[:, 0] & (rolling.forces[:, 0, 2] > 1.0) & (rolling.time > 1.5)
+    assert np.ptp(rolling.feet[stance, 0, 0]) > 1.5e-3
+    assert rolling.slips.max() < 7e-4
 
 
 @pytest.mark.slow
