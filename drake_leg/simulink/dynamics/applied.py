@@ -25,6 +25,7 @@ from drake_leg.simulink.dynamics.forces import (
     Weights,
 )
 from drake_leg.simulink.dynamics.gears import gear_of
+from drake_leg.simulink.dynamics.given_contact import BY_INPUT, GivenContact, is_given
 from drake_leg.simulink.dynamics.moment import Moment, Place, Places
 from drake_leg.simulink.dynamics.ports import Layout
 from drake_leg.simulink.dynamics.sensing import Ports, Quantity
@@ -212,24 +213,30 @@ class Applied:
             self._leave_out(block)
             return
         measures = any(is_on(block, switch) for switch in MEASURES)
-        touch = DrakeContact if self._law_of_contact == "drake" else Contact
-        contact = _of(block, touch, base, follower, self._law(block), measures=measures)
+        given = is_given(block)
+        touch = DrakeContact if self._law_of_contact == "drake" and not given else Contact
+        law = self._law(block)
+        contact = _of(block, touch, base, follower, law, measures=measures)
         if not contact.pairs:
             raise InvalidValueError(
                 f"the block {block.name!r} (SID {block.sid}) lets two geometries touch of which "
                 "none has an inside: connect a solid, a plane or a grid at one side"
             )
         self._of_state.append(contact)
+        if given:
+            self._of_input.append(GivenContact(block, contact, law, self._inputs))
         self.quantities += sensed_of_contact(block, contact)
 
     def _law(self, block: Block) -> ContactLaw:
         for name, known in (
-            ("NormalForceType", ("SmoothSpringDamper",)),
-            ("FrictionType", ("SmoothStickSlip", "None")),
+            ("NormalForceType", ("SmoothSpringDamper", BY_INPUT)),
+            ("FrictionType", ("SmoothStickSlip", "None", BY_INPUT)),
         ):
             if block.parameters.get(name, known[0]) not in known:
                 raise invalid_parameter(block, name, f"it must be {' or '.join(known)}")
-        get, slips = block.parameters.get, block.parameters.get("FrictionType") != "None"
+        get = block.parameters.get
+        slips = get("FrictionType", "SmoothStickSlip") == "SmoothStickSlip"
+        pushes = get("NormalForceType") != BY_INPUT
         width = number(get("NormalTransitionRegionWidth"))
         critical = number(get("FrictionalCriticalVelocity"))
         for name, value in (
@@ -239,8 +246,8 @@ class Applied:
             if not value > 0.0:
                 raise invalid_parameter(block, name, "it must be a positive number")
         return ContactLaw(
-            stiffness=number(get("NormalStiffness")),
-            damping=number(get("NormalDamping")),
+            stiffness=number(get("NormalStiffness")) if pushes else 0.0,
+            damping=number(get("NormalDamping")) if pushes else 0.0,
             width=width,
             static=number(get("CoefficientOfStaticFriction")) if slips else 0.0,
             dynamic=number(get("CoefficientOfDynamicFriction")) if slips else 0.0,

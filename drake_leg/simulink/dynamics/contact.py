@@ -83,6 +83,14 @@ class Touch:
     speed: float = 0.0  # of the slip [m/s]
 
 
+def contact_axes(normal: Array) -> Array:
+    """Return the rotation R_WC of a contact's frame C, whose z is the normal."""
+    least = np.eye(3)[np.abs(normal).argmin()]
+    x = np.cross(least, normal)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(normal, x), normal])
+
+
 class Contact:
     """The forces between two geometries."""
 
@@ -137,8 +145,12 @@ class Contact:
                 force = touch.push * touch.normal
                 if touch.speed > 0.0:
                     force = force - touch.friction / touch.speed * touch.slip
-                wrenches.add(moment, self.follower.place.body, touch.point, force)
-                wrenches.add(moment, self.base.place.body, touch.point, -force)
+                self.push(moment, wrenches, touch, force)
+
+    def push(self, moment: Moment, wrenches: Wrenches, touch: Touch, force: Array) -> None:
+        """Add a force on the follower where the two touch, and its opposite on the base."""
+        wrenches.add(moment, self.follower.place.body, touch.point, force)
+        wrenches.add(moment, self.base.place.body, touch.point, -force)
 
     def _velocity(self, moment: Moment, point: Array) -> Array:
         """Return the velocity of the follower's point in the base's body, in the world."""

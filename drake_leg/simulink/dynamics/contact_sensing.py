@@ -7,13 +7,13 @@ from functools import partial
 
 import numpy as np
 
-from drake_leg.simulink.dynamics.contact import Contact, Touch
+from drake_leg.simulink.dynamics.contact import Contact, Touch, contact_axes
 from drake_leg.simulink.dynamics.moment import Moment, Place
 from drake_leg.simulink.dynamics.sensing import Ports, Quantity
 from drake_leg.simulink.model import Block, is_on
 from drake_leg.simulink.multibody.mass import Array
 
-Law = Callable[[Touch], float]
+Law = Callable[[Touch], float | Array]
 
 MEASURES = (  # what wants the nearest points, too, where nothing touches
     "SenseContactSignal", "SensePenetrationDepth", "SenseSeparationDistance",
@@ -23,10 +23,6 @@ MEASURES = (  # what wants the nearest points, too, where nothing touches
 SUMS: tuple[tuple[str, Law], ...] = (
     ("SenseNormalForceMagnitude", lambda touch: touch.push),
     ("SenseFrictionalForceMagnitude", lambda touch: touch.friction),
-)
-OF_DEEPEST: tuple[tuple[str, Law], ...] = (
-    ("SenseNormalVelocity", lambda touch: touch.approach),
-    ("SenseTangentialVelocity", lambda touch: touch.speed),
 )
 
 
@@ -46,8 +42,8 @@ def sensed_of_contact(block: Block, contact: Contact) -> Iterator[Quantity]:
     def separation(moment: Moment) -> Array:
         return contact.separations(moment) if many else np.array(deepest(moment).separation)
 
-    def spread(moment: Moment, law: Law) -> Array:
-        found = np.zeros(many)
+    def spread(moment: Moment, law: Law, *size: int) -> Array:
+        found = np.zeros((many, *size))
         for touch in contact.touches(moment):
             found[touch.index] = law(touch)
         return found
@@ -55,11 +51,11 @@ def sensed_of_contact(block: Block, contact: Contact) -> Iterator[Quantity]:
     def added(law: Law) -> Callable[[Moment], float | Array]:
         if many:
             return lambda moment: spread(moment, law)
-        return lambda moment: float(sum(law(touch) for touch in contact.touches(moment)))
+        return lambda moment: sum((law(touch) for touch in contact.touches(moment)), 0.0)
 
-    def of_deepest(law: Law) -> Callable[[Moment], float | Array]:
+    def of_deepest(law: Law, *size: int) -> Callable[[Moment], float | Array]:
         if many:
-            return lambda moment: spread(moment, law)
+            return lambda moment: spread(moment, law, *size)
         return lambda moment: law(deepest(moment))
 
     if is_on(block, "SenseContactSignal"):
@@ -75,9 +71,12 @@ def sensed_of_contact(block: Block, contact: Contact) -> Iterator[Quantity]:
     for switch, law in SUMS:
         if is_on(block, switch):
             yield Quantity(port=ports.next(), shape=shape, of_state=added(law))
-    for switch, law in OF_DEEPEST:
-        if is_on(block, switch):
-            yield Quantity(port=ports.next(), shape=shape, of_state=of_deepest(law))
+    if is_on(block, "SenseNormalVelocity"):
+        yield Quantity(
+            port=ports.next(), shape=shape, of_state=of_deepest(lambda touch: touch.approach)
+        )
+    if is_on(block, "SenseTangentialVelocity"):
+        yield Quantity(port=ports.next(), shape=(*shape, 2), of_state=of_deepest(_across, 2))
     for end, side in (("Base", contact.base), ("Follower", contact.follower)):
         rotation = partial(_rotation, side.place, deepest)
         translation = partial(_translation, side.place, deepest)
@@ -87,9 +86,15 @@ def sensed_of_contact(block: Block, contact: Contact) -> Iterator[Quantity]:
             yield Quantity(port=ports.next(), shape=(3,), of_state=translation)
 
 
+def _across(touch: Touch) -> Array:
+    """Return the follower's slip along x and y of the contact's frame [m/s]."""
+    slip: Array = touch.slip @ contact_axes(touch.normal)[:, :2]
+    return slip
+
+
 def _rotation(place: Place, touch: Callable[[Moment], Touch], moment: Moment) -> Array:
     """Return the rotation of the contact's frame in a geometry's."""
-    R: Array = moment.pose(place)[0].T @ _along(touch(moment).normal)
+    R: Array = moment.pose(place)[0].T @ contact_axes(touch(moment).normal)
     return R
 
 
@@ -98,11 +103,3 @@ def _translation(place: Place, touch: Callable[[Moment], Touch], moment: Moment)
     R_WS, p_WS = moment.pose(place)
     p: Array = R_WS.T @ (touch(moment).point - p_WS)
     return p
-
-
-def _along(normal: Array) -> Array:
-    """Return a rotation whose z is a normal."""
-    least = np.eye(3)[np.abs(normal).argmin()]
-    x = np.cross(least, normal)
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(normal, x), normal])

@@ -171,7 +171,7 @@ def test_the_law_rises_smoothly_and_pulls_only_where_asked():
 
 def test_what_cannot_touch_is_refused_by_name(tmp_path):
     built = falling(0.15)
-    built.set("Contact", FrictionType="ProvidedByInput", NormalTransitionRegionWidth="0")
+    built.set("Contact", FrictionType="Viscous", NormalTransitionRegionWidth="0")
     with pytest.raises(InvalidValueError, match=r"'Contact' .* FrictionType"):
         dynamics(built, tmp_path)
 
