@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,13 +36,15 @@ class Suggestion:
     others: tuple[Path, ...] = ()  # files that set as many, farther from the model
 
 
-def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
+def suggested_init(
+    model: Model, lacks: Iterable[Lack], without: Container[Path] = ()
+) -> Suggestion | None:
     """Find the file beside the model, or in its folders, that sets most of what it lacks.
 
     Of several that set as many: a script rather than a .mat file, one that a project runs when it
     is opened, one that sets them itself rather than one that only runs it, and the one nearest to
     the model. Those that are as good but for that are its ``others``. What a library lacks may lie
-    in the workspace of a model, too.
+    in the workspace of a model, too. Files in ``without`` are passed over.
     """
     missing = _missing(lacks)
     if not missing or model.variables is None:
@@ -55,7 +57,7 @@ def suggested_init(model: Model, lacks: Iterable[Lack]) -> Suggestion | None:
     models = models if model.variables.is_lent else []
     files = (path for ending in (*SCRIPTS, ".mat") for path in folders.ending(ending))
     for path in (*files, *models):
-        sets = reader.sets(path) if path.resolve() not in done else set()
+        sets = reader.sets(path) if path.resolve() not in done and path not in without else set()
         if sets:
             opens = path.stem.lower().startswith(_STARTS)
             rank = (len(sets), _GOODNESS[path.suffix], opens, len(reader.own[path]))
@@ -79,17 +81,27 @@ def with_scripts(
     used are returned, too.
     """
     used: tuple[Suggestion, ...] = ()
+    useless: list[Path] = []  # what fails or gives nothing, as nobody has asked for it
     lacks = lacks_in(model)
-    while lacks and len(used) < MOST_SCRIPTS:
-        hint = suggested_init(model, lacks)
+    while lacks and max(len(used), len(useless)) < MOST_SCRIPTS:
+        hint = suggested_init(model, lacks, without=useless)
         if hint is None:
             break
-        again = read([*(each.path for each in used), hint.path])
-        left = lacks_in(again)
-        if len(left) >= len(lacks):
-            break
-        model, lacks, used = again, left, (*used, hint)
+        try:
+            again = read([*(each.path for each in used), hint.path])
+            left = lacks_in(again)
+        except InvalidValueError:
+            left = lacks
+        if _measure(left) < _measure(lacks):
+            model, lacks, used = again, left, (*used, hint)
+        else:
+            useless.append(hint.path)
     return model, used
+
+
+def _measure(lacks: Sequence[Lack]) -> tuple[int, int]:
+    """Tell how much lacks: how many values, and how many names in them."""
+    return len(lacks), len(_missing(lacks))
 
 
 def _missing(lacks: Iterable[Lack]) -> dict[str, None]:

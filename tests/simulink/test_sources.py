@@ -13,7 +13,7 @@ from drake_leg.simulink.lacks import lacks_of
 from drake_leg.simulink.matlab.data import Allowance
 from drake_leg.simulink.matlab.workspace import Workspace
 from drake_leg.simulink.reader import read_model
-from drake_leg.simulink.suggestions import suggested_init
+from drake_leg.simulink.suggestions import suggested_init, with_scripts
 
 LAYOUTS = ["new", "old"]
 
@@ -377,6 +377,17 @@ def test_variables_are_those_at_the_first_run_of_the_model(tmp_path):
         assert gain(path, init=[tmp_path / "main.m"])[0] == 15.0, how
     (tmp_path / "main.m").write_text("L = 1; n = 4;\nsim('other'); L = 2;")
     assert gain(path, init=[tmp_path / "main.m"])[0] == 24.0
+
+
+def test_a_script_that_fails_or_gives_nothing_is_passed_over(tmp_path, few_steps):
+    (tmp_path / "endless.m").write_text("while true, m1 = 1; m2 = 2; end")
+    (tmp_path / "missing.m").write_text("m1 = read_it(); m2 = m1;")
+    (tmp_path / "setup.m").write_text("m1 = 3;\nother = 4;")
+    (tmp_path / "more.m").write_text("m2 = 5;")
+    path = one_gain("m1*m2").write(tmp_path / "m.slx")
+    model, used = with_scripts(read_model(path), lambda init: read_model(path, init=init))
+    assert sorted(each.path.name for each in used) == ["more.m", "setup.m"]
+    assert not lacks_of(model)
 
 
 def test_scripts_that_set_as_many_are_told(tmp_path):
