@@ -33,6 +33,7 @@ STUCK = 1e3  # damping beyond which the search has stopped moving
 LARGEST_STEP = 0.6  # [rad]
 SINGULAR = 1e-6  # smallest singular value over the greatest
 WIGGLE = 0.05  # [rad, or of the length], to see whether a joint can move on
+ROUNDING = 8.0 * np.finfo(float).eps  # miss of the foot by sums of rounded terms, of its size
 SHOWN = 4  # postures returned of infinitely many
 
 Limits = Sequence[tuple[float, float]]
@@ -133,14 +134,15 @@ class Search:
         return ends
 
     def polished(self, q: Array, *, inside: bool = False) -> Array:
-        """Newton's method; a step is taken only if it comes nearer to the goal."""
+        """Newton's method; a step is taken only if it comes nearer, by more than rounding."""
         for _ in range(POLISHING):
             if not len(q):
                 break
             inverse = np.linalg.pinv(self._jacobian(q), rcond=1e-9)
             change = self._shortened((inverse @ self._error(q)[..., np.newaxis])[..., 0])
             tried = self._placed(q + change * self._scale, inside=inside)
-            better = self.miss(tried) < self.miss(q)
+            miss = self.miss(q)
+            better = (miss > ROUNDING * self.size) & (self.miss(tried) < miss)
             if not better.any():
                 break
             q = np.where(better[:, np.newaxis], tried, q)
