@@ -22,6 +22,7 @@ from drake_leg.simulink.model import Block, is_on
 from drake_leg.simulink.multibody.bodies import Joint
 from drake_leg.simulink.multibody.mass import Array
 
+UNTURNED = np.eye(3)
 MEASURED_IN = ("World", "Base", "Follower", "NonRotatingBase", "NonRotatingFollower")
 
 
@@ -112,7 +113,7 @@ class Relative:
         return self._base if self._of_base else self._follower
 
     def _R_MW(self, moment: Moment) -> Array:
-        return np.eye(3) if self._is_world else moment.pose(self._measuring)[0].T
+        return UNTURNED if self._is_world else moment.pose(self._measuring)[0].T
 
     def _w_WM(self, moment: Moment) -> Array:
         return moment.twist(self._measuring)[0]

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from drake_leg.simulink.matlab.compiling.small_matrices import inv_3
 from drake_leg.simulink.running.settings import Signal, flat
 from drake_leg.simulink.running.solving import solved  # noqa: F401 - a name of the code, as all
 
 Array = NDArray[np.float64]
+LOCKED = 1e-7  # distance from gimbal lock [rad]
 
 
 def divided(a: float, b: float) -> float:
@@ -200,6 +202,8 @@ def quotient(a: Signal, b: Signal) -> Array:
 
 def inverse(a: Array) -> Array:
     """Invert a matrix; the inverse of a singular one is infinite."""
+    if np.shape(a) == (3, 3):
+        return np.array(inv_3(*a.ravel().tolist())).reshape(3, 3)
     try:
         found: Array = np.linalg.inv(np.atleast_2d(a))
     except np.linalg.LinAlgError:
@@ -215,9 +219,26 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def angles_of(matrix: Array, order: str) -> Array:
-    """Angles [rad] of a direction cosine matrix, which turns coordinates into the body's."""
-    found: Array = Rotation.from_matrix(matrix.T).as_euler(order)
-    return found
+    """Angles [rad] of a direction cosine matrix, which turns coordinates into the body's.
+
+    The first is 0 where only its sum with the third one is determined.
+    """
+    R = matrix.T.tolist()
+    i, j, last = ("XYZ".index(axis) for axis in order)
+    k = 3 - i - j
+    hand = 1.0 if (j - i) % 3 == 1 else -1.0
+    if last == i:
+        sine, cosine = math.hypot(R[i][j], R[i][k]), R[i][i]
+        leads, follows, gap = R[j][i], -hand * R[k][i], sine
+    else:
+        sine, cosine = hand * R[i][k], math.hypot(R[i][i], R[i][j])
+        leads, follows, gap = -hand * R[j][k], R[k][k], cosine
+    first = math.atan2(leads, follows) if gap > LOCKED else 0.0
+    # The middle row with the first rotation undone: only the third one is left in it.
+    c, s = math.cos(first), hand * math.sin(first)
+    row = [c * a + s * b for a, b in zip(R[j], R[k], strict=True)]
+    swept = -hand * row[k] if last == i else hand * row[i]
+    return np.array([first, math.atan2(sine, cosine), math.atan2(swept, row[j])])
 
 
 def cosines_of(angles: Array, order: str) -> Array:

@@ -5,6 +5,10 @@ import math
 import numpy as np
 import pytest
 from rigs import Rig
+from scipy.spatial.transform import Rotation
+
+from drake_leg.kinematics.euler import SEQUENCES
+from drake_leg.simulink.running.operations import angles_of, inverse
 
 V = "[1 -2 3]"
 M = "[1 2;3 4]"
@@ -290,3 +294,22 @@ def test_a_multiport_switch_chooses_whole_numbers_or_the_last(tmp_path):
     ]  # fmt: skip
     assert values["each"].tolist() == [7.0, 2.0]
     assert values["entry"] == 2.0
+
+
+@pytest.mark.parametrize("order", SEQUENCES)
+def test_angles_of_a_direction_cosine_matrix_are_those_of_its_rotation(order):
+    turned = Rotation.random(20, random_state=5)
+    for one in turned:
+        found = angles_of(one.as_matrix().T, order)
+        np.testing.assert_allclose(found, one.as_euler(order), atol=1e-13)
+    locked = Rotation.from_euler(order, [0.3, 0.0 if order[0] == order[2] else np.pi / 2, 0.4])
+    found = angles_of(locked.as_matrix().T, order)
+    assert found[0] == 0.0
+    again = Rotation.from_euler(order, found).as_matrix()
+    np.testing.assert_allclose(again, locked.as_matrix(), atol=1e-12)
+
+
+def test_a_matrix_of_three_is_inverted_as_any_other():
+    a = np.random.default_rng(3).normal(size=(3, 3))
+    np.testing.assert_allclose(inverse(a), np.linalg.inv(a), rtol=1e-12)
+    assert np.all(inverse(np.zeros((3, 3))) == math.inf)
