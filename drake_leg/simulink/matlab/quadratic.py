@@ -101,7 +101,8 @@ def _is_off(rest: Array, of: Array) -> bool:
 def _quadprog(budget: Allowance, wanted: int, *given: Any) -> Any:
     """``[x, fval, exitflag] = quadprog(H, f, A, b, Aeq, beq, lb, ub, x0, options)``.
 
-    The minimum is unique and exact, whatever the start and the options are.
+    The minimum is unique and exact, whatever the start and the options are. The fourth and the
+    fifth value, on the solver and its multipliers, are empty structures.
     """
     if not 2 <= len(given) <= _MOST_ARGUMENTS:
         raise MatlabError(f"'quadprog' does not take {len(given)} arguments")
@@ -122,7 +123,7 @@ def _quadprog(budget: Allowance, wanted: int, *given: Any) -> Any:
         budget.work(10.0 * len(at_most[1]) * n**2)
     x = least_quadratic(H, linear, at_most, _rows(C, d, n))
     least = float(x @ H @ x / 2.0 + linear @ x)
-    return settled(x[:, np.newaxis]), least, 1.0
+    return settled(x[:, np.newaxis]), least, 1.0, Struct(), Struct()
 
 
 def _real(value: Any) -> Array | None:

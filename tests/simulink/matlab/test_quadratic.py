@@ -53,6 +53,7 @@ def test_quadprog_takes_what_matlab_takes():
     workspace = Workspace()
     workspace.run(
         "o = optimoptions('quadprog', 'Algorithm', 'active-set');"
+        "[x, ~, ~, ~, ~] = quadprog(1, -5);"
         "[x, least, flag] = quadprog(4, 8, [], [], [], [], [], [], 7, o);",
         name="s",
     )
