@@ -60,7 +60,7 @@ def _is_finite(number: Value) -> bool:
 @lru_cache(maxsize=4096)
 def _evaluated(text: str, unit: str, quantity: str) -> Value:
     try:
-        number = value(text)
+        number = value(text, unbounded=True)
     except InvalidValueError as error:
         raise _not_evaluated(text, error) from None
     return _in_si(number, unit, quantity)

@@ -78,11 +78,11 @@ class Scope:
         return found
 
     def numbers(self, text: str) -> Numbers:
-        """Evaluate an expression to numbers."""
+        """Evaluate an expression to numbers, of which some may be infinite."""
         if not _NAMED.search(text):
-            return value(text)
+            return value(text, unbounded=True)
         try:
-            return plain(self.evaluate(text))
+            return plain(self.evaluate(text), unbounded=True)
         except MatlabError as fault:
             raise InvalidValueError(str(fault)) from None
 

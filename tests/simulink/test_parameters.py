@@ -186,6 +186,17 @@ def test_limits_and_times_may_be_infinite(parameters, kind, name, text):
     assert math.isinf(parameters(kind, {name: text} | units)[name])
 
 
+def test_some_of_several_limits_may_be_infinite(parameters):
+    found = parameters("Saturate", {"UpperLimit": "[1 inf]", "LowerLimit": "-[Inf; 2]"})
+    assert found["UpperLimit"] == (1.0, math.inf)
+    assert found["LowerLimit"] == (-math.inf, -2.0)
+    for kind, name in (("Gain", "Gain"), ("Sin", "Amplitude")):
+        with pytest.raises(InvalidValueError, match=f"parameter {name} is .*, which is infinite"):
+            parameters(kind, {name: "[1 inf]"})
+    with pytest.raises(InvalidValueError, match="one of its elements is not finite"):
+        parameters("Saturate", {"UpperLimit": "[1 nan]"})
+
+
 @pytest.mark.parametrize(
     ("name", "text"), [("StopTime", OVERFLOW), ("RelTol", "inf"), ("StartTime", "inf")]
 )

@@ -47,7 +47,9 @@ def parsed_expression(text: str) -> syntax.Expression:
     return node
 
 
-def value(text: str, names: Mapping[str, ArrayLike] | None = None) -> Numbers:
+def value(
+    text: str, names: Mapping[str, ArrayLike] | None = None, *, unbounded: bool = False
+) -> Numbers:
     """Evaluate numeric MATLAB text.
 
     Parameters
@@ -56,12 +58,13 @@ def value(text: str, names: Mapping[str, ArrayLike] | None = None) -> Numbers:
         An expression of numbers, operators, matrices, ranges and known functions.
     names : mapping, optional
         Variables: numbers, rows or matrices.
+    unbounded : bool, optional
+        Whether elements of an array may be infinite.
 
     Returns
     -------
     float, tuple of float, or tuple of tuple of float
-        A number; the elements of a row or column; the rows of a matrix. Only a number alone may
-        be infinite.
+        A number, which may be infinite; the elements of a row or column; the rows of a matrix.
 
     Raises
     ------
@@ -76,7 +79,9 @@ def value(text: str, names: Mapping[str, ArrayLike] | None = None) -> Numbers:
                     raise MatlabError(f"'{name}' is not a known function or constant")
             values = {name: variable(name, given) for name, given in (names or {}).items()}
             frame = Frame(values=values, file=File(name="the text"))
-            return plain(Interpreter(Alone(), small_budget()).value(node, frame))
+            return plain(
+                Interpreter(Alone(), small_budget()).value(node, frame), unbounded=unbounded
+            )
     except MatlabError as fault:
         raise InvalidValueError(str(fault)) from None
 
@@ -100,8 +105,8 @@ def variable(name: str, given: ArrayLike | float, *, column: bool = False) -> An
     return settled(array)
 
 
-def plain(result: Any) -> Numbers:  # noqa: ANN401
-    """Take a value for numbers, as a parameter has them.
+def plain(result: Any, *, unbounded: bool = False) -> Numbers:  # noqa: ANN401
+    """Take a value for numbers, as a parameter has them; ``unbounded`` elements may be infinite.
 
     Raises
     ------
@@ -117,7 +122,7 @@ def plain(result: Any) -> Numbers:  # noqa: ANN401
         if math.isnan(array.item()):
             raise MatlabError("it is not a number (NaN)")
         return float(array.item())
-    if not np.isfinite(array).all():
+    if np.isnan(array).any() or not (unbounded or np.isfinite(array).all()):
         raise MatlabError("one of its elements is not finite")
     if not array.size:
         return ()
