@@ -78,8 +78,15 @@ def rates_of(diagram: ModelDiagram, context: Context) -> Callable[[float, Array]
         if found is not None:
             return found
 
+    own = diagram.signals.GetMyMutableContextFromRoot(context)
+    count = own.num_continuous_states()
+
     def rates(t: float, x: Array) -> Array:
-        context.SetTimeAndContinuousState(t, x)
+        here = context.get_continuous_state_vector().CopyToVector()
+        if context.get_time() == t and np.array_equal(here[count:], x[count:]):
+            own.SetContinuousState(x[:count])  # what the mechanism's state alone tells is kept
+        else:
+            context.SetTimeAndContinuousState(t, x)
         derivatives: Array = diagram.EvalTimeDerivatives(context).CopyToVector()
         return derivatives
 

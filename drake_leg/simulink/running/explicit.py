@@ -41,7 +41,8 @@ class DormandPrince:
         new: Array = x + h * (RK45.B @ k[:6])
         k[6] = rates(t + h, new)
         # Two stages at one time tell the largest eigenvalue, as E. Hairer and G. Wanner use them.
-        apart, faster = np.abs(new - last).max(), np.abs(k[6] - k[5]).max()
+        apart = np.abs(new - last).max(initial=0.0)
+        faster = np.abs(k[6] - k[5]).max(initial=0.0)
         self.is_bounded = bool(h * faster > BOUND * STABLE * apart)
         self._h, self._is_kept = h, True
         return new, np.abs(h * (RK45.E @ k))

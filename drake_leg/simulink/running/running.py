@@ -343,7 +343,7 @@ def _is_stiff(ready: Runnable, config: SimulatorConfig) -> bool:
 
 def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
     """Go by own steps; they end at rows if something happens at major steps."""
-    if not stepper.has_states:
+    if not (stepper.has_states or ready.code.has_edges):
         return
     diagram, code, duration = ready.diagram, ready.code, ready.solver["duration"]
     ends = {*corners(code, duration), duration}

@@ -65,7 +65,7 @@ class Solution:
         self._step = FIRST * longest
         self._implicit = Rosenbrock(np.ones((x.size, x.size), bool) if pattern is None else pattern)
         self._explicit = DormandPrince(x.size)
-        self._method: Rosenbrock | DormandPrince = self._implicit
+        self._method: Rosenbrock | DormandPrince = self._implicit if x.size else self._explicit
         self._stepped: Rosenbrock | DormandPrince = self._method  # by which the last step was
         self._from, self._before = t, self.x
         self._since, self._greatest, self._before_implicit = 0, 0.0, math.inf
@@ -93,7 +93,7 @@ class Solution:
             if h < self._shortest and not whole:
                 raise StepError(f"no step keeps the accuracy at {t:g} s")
             new, errors = method.attempt(rates, t, x, h)
-            worst = float((errors / (self.accuracy * np.maximum(1.0, np.abs(x)))).max())
+            worst = float((errors / (self.accuracy * np.maximum(1.0, np.abs(x)))).max(initial=0.0))
             if not math.isfinite(worst):
                 self._step = LEAST * h
             else:

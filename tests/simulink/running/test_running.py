@@ -325,6 +325,29 @@ def test_a_mechanism_that_follows_motions_has_the_derivatives_of_its_diagram(tmp
         np.testing.assert_array_equal(rates(time, x), expected)
 
 
+def test_rates_are_the_same_whether_or_not_the_mechanism_has_moved(tmp_path):
+    """Two states of a filtered torque, and a pendulum's angle and speed, which is sensed."""
+    built = pendulum(TorqueActuationMode="InputTorque", SensePosition="on")
+    inward = built.add_library("nesl_utility/Simulink-PS Converter", "In")
+    outward = built.add_library("nesl_utility/PS-Simulink Converter", "Out")
+    built.connect(outward, inward)
+    built.meet("In", "Pivot lconn:2")
+    built.meet("Pivot rconn:2", "Out lconn:1")
+    built.set("In", FilteringAndDerivatives="filter", SimscapeFilterOrder="2",
+              InputFilterTimeConstant="2e-3")  # fmt: skip
+    ready = runnable(built.model(tmp_path), duration=1.0)
+    context = ready.diagram.CreateDefaultContext()
+    rates = rates_of(ready.diagram, context)
+    moves = [[0.0, 0.0, 0.3, 0.1], [0.2, 0.0, 0.3, 0.1], [0.2, 1.0, 0.3, 0.1],
+             [0.2, 1.0, 0.5, 0.1], [0.0, 0.0, 0.5, -0.1], [0.7, 0.0, 0.5, -0.1]]  # fmt: skip
+    for time in (0.1, 0.2):
+        for x in map(np.array, moves):
+            fresh = ready.diagram.CreateDefaultContext()
+            fresh.SetTimeAndContinuousState(time, x)
+            expected = ready.diagram.EvalTimeDerivatives(fresh).CopyToVector()
+            np.testing.assert_array_equal(rates(time, x), expected)
+
+
 def filtered_sine(rig):
     """A sine of 3 rad/s through (1 ms s + 1)^2, from rest, and its closed form."""
     made = rig.block(
