@@ -229,7 +229,9 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
     # Blocks, in the order of the signal.
     command = builder.AddNamedSystem("Body Command", BodyCommand(plan))
     gait = builder.AddNamedSystem("Gait", GaitBlock(plan, legs))  # velocities of the feet
-    inverse_jacobian = builder.AddNamedSystem("inverseJacobian", InverseJacobian(legs))
+    inverse_jacobian = builder.AddNamedSystem(
+        f"inverseJacobian, {config.legs.count} legs", InverseJacobian(legs)
+    )
     integrator = builder.AddNamedSystem(  # rates of the joints to angles
         INTEGRATOR, DiscreteTimeIntegrator(joints, config.time_step)
     )

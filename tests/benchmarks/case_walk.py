@@ -31,10 +31,10 @@ def contests(short, crew):
 def _contest(name, step):
     config = config_of(HEXABOT, WalkOptions(time_step=step))
     done = _walk(config, build(config))
-    end = done.scopes["joint positions"][-1]
+    end, plan = done.scopes["joint positions"][-1], config.plan
     inputs = {
         "desired_state": done.scopes["desired state"],
-        "actuation": np.array([config.plan.at(step * k).torques for k in range(len(done.time))]),
+        "actuation": np.array([plan.at(step * k).torques for k in range(len(done.time))]),
     }
 
     def ours():

@@ -67,12 +67,12 @@ def test_one_inverse_jacobian_moves_all_legs():
     diagram = build(HexapodConfig())
     found = {(wire.source, wire.output, wire.target, wire.input) for wire in wires(diagram)}
     assert {
-        ("Gait", "v", "inverseJacobian", "v"),
-        ("Integrator", "y", "inverseJacobian", "q"),
-        ("inverseJacobian", "qdot", "Integrator", "u"),
+        ("Gait", "v", "inverseJacobian, 6 legs", "v"),
+        ("Integrator", "y", "inverseJacobian, 6 legs", "q"),
+        ("inverseJacobian, 6 legs", "qdot", "Integrator", "u"),
         ("Mux", "y0", "Servo Command", "u0"),
     } <= found
-    assert diagram.GetSubsystemByName("inverseJacobian").robot.joints == 18
+    assert diagram.GetSubsystemByName("inverseJacobian, 6 legs").robot.joints == 18
 
 
 def test_servos_are_told_the_angles_of_the_end_of_a_step(three_seconds):
