@@ -310,7 +310,7 @@ def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Pictur
             f"there is no part {part!r} of a Simulink model: its parts are {SIGNALS} and "
             f"{MECHANISM}, and {ALL} is both"
         )
-    flat = flatten(model)
+    flat = flatten(model, strict=False)
     names = unique_names(model)
     network = network_of(flat)
     pictures = {

@@ -16,7 +16,7 @@ _CONNECTION_PORTS = ("PMIOPort", "Connection Port")
 _BUS = "SimscapeBus"
 
 
-def flatten(model: Model, *, gates: bool = False) -> Model:
+def flatten(model: Model, *, gates: bool = False, strict: bool = True) -> Model:
     """Take away every boundary, so that wires and nodes lead from leaf block to leaf block.
 
     Subsystems, virtual or atomic, go with their Inport, Outport and Connection Port blocks, and so
@@ -24,7 +24,8 @@ def flatten(model: Model, *, gates: bool = False) -> Model:
     Wires have the name that is nearest to their target. `Block.system` still tells where a block
     was. Ports of one element of a bus stay: an Inport takes it out, and the first Outport of a port
     joins all. With ``gates``, the Outports of subsystems that are enabled, triggered or chosen
-    stay, too: they hold what they put out last.
+    stay, too: they hold what they put out last. Unless it is ``strict``, nothing comes from a From
+    that has no Goto or several.
 
     Raises
     ------
@@ -37,7 +38,7 @@ def flatten(model: Model, *, gates: bool = False) -> Model:
     return replace(
         model,
         blocks=leaves,
-        wires=_Signals(model, blocks, gated).wires(),
+        wires=_Signals(model, blocks, gated, strict=strict).wires(),
         nodes=_nodes(model, blocks),
     )
 
@@ -90,8 +91,10 @@ def _is_leaf(block: Block, gated: Container[str] = ()) -> bool:
 class _Signals:
     """Follows signals backwards, from an input to the leaf block that drives it."""
 
-    def __init__(self, model: Model, blocks: dict[str, Block], gated: Container[str] = ()) -> None:
-        self._blocks, self._gated = blocks, gated
+    def __init__(
+        self, model: Model, blocks: dict[str, Block], gated: Container[str], *, strict: bool
+    ) -> None:
+        self._blocks, self._gated, self._strict = blocks, gated, strict
         # In a library, what a From takes may come from the model that uses it.
         self._may_lack = model.variables is not None and model.variables.is_lent
         self._drivers = {wire.target: wire for wire in model.wires}
@@ -182,7 +185,7 @@ class _Signals:
         near = [goto for goto in alike if goto.system == block.system]
         far = [goto for goto in alike if goto.parameters.get("TagVisibility") != "local"]
         fits = near or far
-        if not fits and self._may_lack:
+        if len(fits) != 1 and not (self._strict and (fits or not self._may_lack)):
             return None
         if len(fits) != 1:
             raise InvalidValueError(

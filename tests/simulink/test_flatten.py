@@ -171,6 +171,17 @@ def test_a_from_without_goto_is_named(flat):
         flat(builder)
 
 
+def test_nothing_comes_from_a_doubtful_tag_where_that_is_allowed(tmp_path):
+    builder = ModelBuilder()
+    builder.connect(builder.add_block("From", "F"), builder.add_block("Scope", "S"))
+    model = read_model(builder.write(tmp_path / "none.slx"))
+    assert flatten(model, strict=False).wires == ()
+    for name in ("G1", "G2"):
+        builder.add_block("Goto", name)
+    model = read_model(builder.write(tmp_path / "several.slx"))
+    assert flatten(model, strict=False).wires == ()
+
+
 def test_a_circle_without_blocks_is_named(flat):
     builder = ModelBuilder()
     source, scope = builder.add_block("From", "F"), builder.add_block("Scope", "S")

@@ -109,10 +109,10 @@ class _Pair:
 
 def _read(first: Model, second: Model, other: str) -> _Pair:
     with speaking_of(second):
-        flat = flatten(second)
+        flat = flatten(second, strict=False)
         read = read_graph(second, flat)
     with speaking_of(first):
-        flats = flatten(first), flat
+        flats = flatten(first, strict=False), flat
         mechanisms = read_mechanisms(first, flats[0], read.graph, other)
     bodies = mechanisms.matching.bodies
     roles = _roles(mechanisms)
