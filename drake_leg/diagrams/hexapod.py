@@ -18,7 +18,8 @@ joints are driven by torques alone, and so the robot can fall.
 
 All signals change at the time steps of the plant, which is discrete. It computes the torques of its
 servos at the end of a step, and so they get the angles wanted there. Torques and contact forces are
-sampled: what is seen of them at the end of a step is what acted in it.
+sampled: what is seen of them at the end of a step is what acted in it. Where feet feel the ground,
+the plant makes its step first, so that a foot that has touched down is known where it is.
 """
 
 from __future__ import annotations
@@ -70,6 +71,7 @@ from drake_leg.systems.touch_down import TouchDown
 from drake_leg.units import STANDARD_GRAVITY, require_non_negative, require_positive
 
 CONTACT = "contact forces"  # scope of the generalized ones, of base and joints
+SAMPLER = "Sampler"  # of the body's pose, where it is fed back and feet feel the ground
 INTEGRATOR = "Integrator"  # of the joint rates
 TOUCH_DOWNS = "touch-downs"  # scope of the states of the feet
 LONGEST_STEP = 0.02  # [s]: at 0.05 s a walk loses a tenth of its way
@@ -247,6 +249,7 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
         contact=config.contact,
         payload=config.payload,
         gravity=config.gravity,
+        steps_first=config.touch_down,
     )
     plant = walker.plant
     sensed = builder.AddNamedSystem("Body Sensor", Demultiplexer([7, joints, 6, joints]))
@@ -260,7 +263,7 @@ def build_driven(config: HexapodConfig, plan: Plan) -> Diagram:
     if levels is not None:
         builder.Connect(twist, levels.GetInputPort("command"))
         builder.Connect(command.GetOutputPort("pose"), levels.GetInputPort("pose"))
-        builder.Connect(sensed.get_output_port(0), levels.GetInputPort("sensed"))
+        builder.Connect(_pose_of_row(config, builder, sensed), levels.GetInputPort("sensed"))
         builder.Connect(levels.GetOutputPort("levelling"), gait.GetInputPort("levelling"))
         twist = levels.GetOutputPort("twist")
     builder.Connect(twist, gait.GetInputPort("twist"))
@@ -319,6 +322,16 @@ def _at_end_of_step(joints: int, time_step: float) -> MatrixGain:
     return MatrixGain(np.kron([[1.0, time_step], [0.0, 1.0]], np.eye(joints)))
 
 
+def _pose_of_row(
+    config: HexapodConfig, builder: DiagramBuilder, sensed: Demultiplexer
+) -> OutputPort:
+    """Return the pose of the body that belongs to the plan's row; a plant may have stepped on."""
+    pose: OutputPort = sensed.get_output_port(0)
+    if not config.touch_down:
+        return pose
+    return _of_last_step(builder, SAMPLER, pose, config.time_step)
+
+
 def _of_last_step(
     builder: DiagramBuilder, name: str, port: OutputPort, time_step: float
 ) -> OutputPort:
@@ -350,6 +363,10 @@ def start_walking(config: HexapodConfig) -> Callable[[Diagram, Context], None]:
         integrator = diagram.GetSubsystemByName(INTEGRATOR)
         at = integrator.GetMyMutableContextFromRoot(context)
         integrator.set_integral_value(at, config.start.ravel())
+        if diagram.HasSubsystemNamed(SAMPLER):
+            sampler = diagram.GetSubsystemByName(SAMPLER)
+            at = sampler.GetMyMutableContextFromRoot(context)
+            sampler.SetVectorState(at, sampler.get_input_port().Eval(at))
 
     return start
 

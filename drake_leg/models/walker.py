@@ -74,6 +74,7 @@ def add_walker(
     contact: Contact = POINT_FEET,
     payload: float = 0.0,
     gravity: float = STANDARD_GRAVITY,
+    steps_first: bool = False,
 ) -> Walker:
     """Add a discrete plant of a floating robot on the ground, and its SceneGraph.
 
@@ -81,6 +82,9 @@ def add_walker(
     and its gear's friction; its ``desired_state`` and ``actuation`` ports (the feed-forward) are
     still to be connected.
     A payload [kg] is a point on the body, at its frame's origin.
+
+    A plant that ``steps_first`` makes its step before the blocks beside it, which then see its end;
+    Drake copies all of its results at every step for that.
 
     Raises
     ------
@@ -94,7 +98,7 @@ def add_walker(
     plant.set_name(robot.name)
     plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
     plant.set_sap_near_rigid_threshold(NEAR_RIGID)
-    plant.SetUseSampledOutputPorts(False)  # Drake would copy all of its results at every step
+    plant.SetUseSampledOutputPorts(steps_first)
     parser = Parser(plant)
     parser.SetStrictParsing()
     try:
