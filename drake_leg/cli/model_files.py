@@ -79,7 +79,7 @@ def add_model_run_options(parser: argparse.ArgumentParser) -> None:
         "--solve-loops",
         action="store_true",
         help="solve the algebraic loops of a Simulink model by Newton's method at every "
-        "evaluation; without it they are refused, with their blocks",
+        "evaluation, even if its file does not let Simulink solve them",
     )
 
 

@@ -141,8 +141,10 @@ def runnable_file(
     def read(init: Sequence[Path] = ()) -> Model:
         return replaced(opened(path, chosen, init), replacements)
 
+    solves = chosen.solve_loops or None  # else as the file says
+
     def ready_to_run(model: Model) -> Runnable:
-        return runnable(model, duration=duration, contact=contact, solve_loops=chosen.solve_loops)
+        return runnable(model, duration=duration, contact=contact, solve_loops=solves)
 
     with about(path), at_work(chosen.name, "the model is read"):
         model = read()

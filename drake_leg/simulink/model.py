@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 Numbers = float | tuple[float, ...] | tuple[tuple[float, ...], ...]
 Value = Numbers | str
+LOOPS = "AlgebraicLoopMsg"  # solver setting: what Simulink does about algebraic loops
 MOST_PORTS = 1 << 16  # that are kept split
 
 

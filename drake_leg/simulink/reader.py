@@ -16,7 +16,7 @@ from drake_leg.simulink.archive import parameters
 from drake_leg.simulink.diagram import Diagram, DrawnBlock, mask_of_file, read_diagram
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.linking import Libraries
-from drake_leg.simulink.model import Block, Model, Parameters, Value
+from drake_leg.simulink.model import LOOPS, Block, Model, Parameters, Value
 from drake_leg.simulink.parameters import (
     complaining,
     evaluate,
@@ -191,6 +191,9 @@ def _solver(configuration: Element | None, scope: Scope) -> Parameters:
     for name, default in _DEFAULTS.items():
         text = texts.get(name, default)
         found.add(name, partial(_setting, name, text, scope))
+    loops = _of_loops(configuration)
+    if loops:
+        found.add(LOOPS, loops)
     return found
 
 
@@ -199,6 +202,12 @@ def _setting(name: str, text: str, scope: Scope) -> Value:
         found = evaluate(text, "", "", scope)
         require_finite(found, text, unbounded=name in _UNBOUNDED, scope=scope)
     return found
+
+
+def _of_loops(configuration: Element | None) -> str:
+    """Return what Simulink does about algebraic loops, none, warning or error; "" if not said."""
+    components = () if configuration is None else configuration.iter()
+    return next((text for each in components if (text := parameters(each).get(LOOPS))), "")
 
 
 def _solver_texts(configuration: Element | None) -> dict[str, str]:

@@ -15,7 +15,7 @@ from drake_leg.errors import InvalidValueError, MissingThingsError, UnknownValue
 from drake_leg.progress import interrupts_kept
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
-from drake_leg.simulink.model import Model, number, split_port, vector
+from drake_leg.simulink.model import LOOPS, Model, number, split_port, vector
 from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.running.compiling import (
     A_RUN,
@@ -38,6 +38,7 @@ SHORTEST_STEP = 1e-10  # of the duration
 MOST_CORNERS = 100_000
 # Contact is stiff, and a model that takes short steps: implicit steps as of ode15s are longer.
 STIFF_ACCURACY = 1e-3
+_SOLVED = ("none", "warning")  # settings with which Simulink solves algebraic loops
 STIFF_SOLVERS = ("ode15s", "ode23s", "ode23t", "ode23tb", "daessc", "ode14x", "ode1be")
 FINEST = 1e-10  # accuracy that a file may ask for
 OWN_ACCURACY = 1e-5  # at most, of own steps: finer ones cost little
@@ -111,7 +112,7 @@ def runnable(
     duration: float | None = None,
     contact: Contact = "smooth",
     replace: Mapping[str, str] | None = None,
-    solve_loops: bool = False,
+    solve_loops: bool | None = None,
 ) -> Runnable:
     """Make a model ready to run.
 
@@ -126,8 +127,9 @@ def runnable(
     replace : mapping of str to str, optional
         What blocks put out instead of what they would, by name or path: ``"constant 0"``, or the
         name of a CSV file with a table of time and values.
-    solve_loops : bool
-        Whether algebraic loops are solved, and not only those with an Algebraic Constraint.
+    solve_loops : bool, optional
+        Whether algebraic loops are solved, and not only those with an Algebraic Constraint;
+        instead of what the file says.
 
     Raises
     ------
@@ -135,6 +137,8 @@ def runnable(
         That lists all that is missing for a run.
     """
     model = replaced(model, replace or {})
+    if solve_loops is None:
+        solve_loops = model.solver.get(LOOPS) in _SOLVED
     mechanism = _mechanism(model, contact, solve_loops)
     network = signal_network(model, mechanism.motions if mechanism else frozenset())
     ports = _ports(mechanism, None)

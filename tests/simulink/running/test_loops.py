@@ -281,6 +281,20 @@ def test_the_command_solves_what_it_refuses_without_its_option(tmp_path, capsys)
     assert text.splitlines()[-1].endswith(",1.6")
 
 
+@pytest.mark.parametrize("setting", ["none", "warning", "error"])
+def test_a_file_says_whether_its_loops_are_solved(setting, tmp_path):
+    rig = Rig(solver={"StopTime": "0.1", "AlgebraicLoopMsg": setting})
+    rig.show(fed_back(rig, rig.constant("2")), "y")
+    model = read_model(rig.write(tmp_path / "loop.slx"))
+    if setting == "error":
+        with pytest.raises(InvalidValueError, match="an algebraic loop: 'sum'"):
+            runnable(model)
+    else:
+        assert shown(run_model(runnable(model)), "y")[-1] == pytest.approx(1.6, abs=1e-12)
+        with pytest.raises(InvalidValueError, match="an algebraic loop: 'sum'"):
+            runnable(model, solve_loops=False)
+
+
 def test_a_way_to_solve_loops_is_refused_where_there_is_none(tmp_path, capsys):
     rig = Rig()
     rig.show(rig.constant("2"), "y")
