@@ -5,11 +5,12 @@ const shareGestures = (pane) => {
   if (window.parent === window) return;
   const BRIEFLY = 2200; // [ms], that a hint stands
   const NOTCH = 50; // [px], from which on a step of the wheel is not a pinch on a touchpad
+  const STILL = 10, QUICK = 500; // [px, ms]: a finger that moves or stays longer does not tap
   const hint = Object.assign(document.createElement("p"), { id: "page-hint", hidden: true });
   hint.setAttribute("aria-hidden", "true");
   pane.append(hint);
   pane.classList.add("shared");
-  let taken = false, byFinger = false, ending = 0;
+  let taken = false, byFinger = false, ending = 0, finger = null, released = -Infinity;
 
   function say(words) {
     hint.textContent = words;
@@ -41,14 +42,25 @@ const shareGestures = (pane) => {
 
   pane.addEventListener("pointerdown", (event) => {
     byFinger = event.pointerType === "touch";
+    finger = byFinger && event.isPrimary ? event : null;
     if (!byFinger) take(true);
     else if (!taken) event.stopPropagation();
   }, { capture: true });
 
-  pane.addEventListener("click", () => {
-    if (!byFinger) return;
-    take(!taken);
-    say(taken ? "One finger turns, two zoom; tap again to scroll the page" : "Tap to turn");
+  // A tap that ends the turning may make no click: some browsers take it for the end of a fling.
+  pane.addEventListener("pointerup", (event) => {
+    if (!taken || !finger || event.pointerId !== finger.pointerId) return;
+    const moved = Math.hypot(event.clientX - finger.clientX, event.clientY - finger.clientY);
+    if (moved > STILL || event.timeStamp - finger.timeStamp > QUICK) return;
+    take(false);
+    say("Tap to turn");
+    released = event.timeStamp;
+  }, { capture: true });
+
+  pane.addEventListener("click", (event) => {
+    if (!byFinger || event.timeStamp - released < QUICK) return;
+    take(true);
+    say("One finger turns, two zoom; tap again to scroll the page");
   });
 
   // The browser takes the finger to scroll with.
