@@ -228,7 +228,9 @@ class PlantMotion:
         even = np.array(self.q)
         for start in self.shown.quaternions:
             even[:, start : start + 4] = without_sign_jumps(even[:, start : start + 4])
-        q = np.column_stack([np.interp(time, self.time, column) for column in even.T])
+        q = np.empty((count, even.shape[1]))
+        for column, rows in zip(q.T, even.T, strict=True):
+            column[:] = np.interp(time, self.time, rows)
         return replace(self, time=time, q=q, footing=self.footing and self.footing.at(time))
 
     def at(self, time: float) -> Self:

@@ -6,6 +6,7 @@ another SDF, a body with six legs.
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -239,7 +240,7 @@ class ShownPlant:
     def poses(self, q: ArrayLike) -> Array:
         """Poses of the shown frames in the world, X_WF (..., n, 4, 4), of positions (..., q)."""
         positions = self.positions(q)
-        rows = positions.reshape(-1, positions.shape[-1])
+        rows = positions.reshape(math.prod(positions.shape[:-1]), positions.shape[-1])
         X_WF = np.empty((len(rows), len(self.frames), 4, 4))
         with self._lock:
             for row, X in zip(rows, X_WF, strict=True):

@@ -223,6 +223,13 @@ def test_a_plant_without_shapes_is_thin_rods():
     assert {path.partition("/")[0] for path in parts_of(plant)} == {"block", "post", "rod"}
 
 
+def test_a_plant_without_joints_stands_and_plays():
+    fixed = shown(PENDULUM.replace('type="revolute"', 'type="fixed"'))
+    assert fixed.poses(None).shape == (len(fixed.frames), 4, 4)
+    played = PlantMotion(shown=fixed, time=np.array([0.0, 0.5]), q=np.empty((2, 0)))
+    assert played.sampled(10.0).poses().shape == (6, len(fixed.frames), 4, 4)
+
+
 def test_a_plant_that_is_not_finalized_is_refused():
     with pytest.raises(InvalidValueError, match="not finalized"):
         shown(MultibodyPlant(time_step=0.0))
