@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import suppress
-from filecmp import cmp
 from itertools import takewhile
 from pathlib import Path
 
@@ -32,13 +31,12 @@ class Folders:
 
     A name is looked for beside the script that uses it, in the ``private`` folder there, beside
     the model, then in the given folders and all inside them. There, of several of one name, the
-    file is taken that has the shortest way from the script that uses it, or from a copy of the
-    model; else that above. Links that lead out of these folders are not followed.
+    file is taken that has the shortest way from the script that uses it, or from the model, where
+    that lies there; else that above. Links that lead out of these folders are not followed.
     """
 
     def __init__(self, model: Path | None = None) -> None:
-        self._model = model
-        self._home: Path | None = None  # folder of a copy of the model, among the given ones
+        self._home = model.resolve().parent if model else None
         self._near: list[Path] = []  # searched themselves
         self._deep: list[Path] = []  # searched with all inside
         self._places: dict[str, list[Path]] | None = None
@@ -89,7 +87,9 @@ class Folders:
             if folder is not None and _is_there(path := folder / name) and self._holds(path):
                 return path
         found = self._named(name)
-        start = (beside or self._home) if len(found) > 1 else None
+        home = self._home
+        inside = home is not None and any(home.is_relative_to(root) for root in self._deep)
+        start = beside or (home if inside else None)
         return min(found, key=lambda path: _steps(start, path), default=None)
 
     def has_model(self, name: str) -> bool:
@@ -118,8 +118,6 @@ class Folders:
             for root in self._deep:
                 for path in _walked(root):
                     self._places.setdefault(_key(path, root), []).append(path)
-                    if self._home is None and self._model and _is_copy(path, self._model):
-                        self._home = path.parent
         return self._places.get(name, [])
 
     def script(self, path: Path) -> syntax.Script:
@@ -220,13 +218,6 @@ def _steps(start: Path | None, path: Path) -> int:
         1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(here, there, strict=False))
     )
     return len(here) + len(there) - 2 * shared
-
-
-def _is_copy(path: Path, model: Path) -> bool:
-    try:
-        return path.stat().st_size == model.stat().st_size and cmp(path, model, shallow=False)
-    except OSError:
-        return False
 
 
 def _key(path: Path, root: Path) -> str:

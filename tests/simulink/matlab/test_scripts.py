@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.simulink.linking import home_of
 from drake_leg.simulink.matlab import matfiles
 from drake_leg.simulink.matlab.compiling import compiled
 from drake_leg.simulink.matlab.data import Allowance
@@ -414,7 +415,8 @@ def test_of_files_of_one_name_the_nearest_is_taken(tmp_path):
         ("all_a;", copy, 10),  # from the script that uses it
         ("all_b;", None, 20),
     ):
-        assert ran(text, **folders, model=model).variables["L"] == length
+        home = home_of(model, folders["paths"]) if model else None
+        assert ran(text, **folders, model=home).variables["L"] == length
 
 
 def test_nothing_outside_of_the_folders_is_read(tmp_path):
