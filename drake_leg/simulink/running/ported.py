@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, cast
@@ -87,6 +88,20 @@ def mechanism_from(data: Mapping[str, Any]) -> MechanismSystem:
 def _value(value: Any) -> Value:  # noqa: ANN401 - as JSON has it
     found = tuple(map(_value, value)) if isinstance(value, list) else value
     return cast(Value, found)
+
+
+def positive(text: str) -> float:
+    """Read a positive number of the command line.
+
+    Raises
+    ------
+    ValueError
+        If the text is none.
+    """
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise ValueError(text)
+    return value
 
 
 def simulated(

@@ -52,6 +52,35 @@ def test_an_oscillator(tmp_path):
         assert said in script.text
 
 
+def commanded(folder, monkeypatch, *arguments):
+    """Carry a script out as a command; return the last time of its recording."""
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr("sys.argv", ["alone.py", *arguments])
+    runpy.run_path("alone.py", run_name="__main__")
+    return float(
+        (folder / "alone_run" / "recording.csv").read_text().splitlines()[-1].split(",")[0]
+    )
+
+
+def test_a_script_is_a_command(tmp_path, monkeypatch, capsys):
+    both(oscillator(), tmp_path, 1.0)
+    assert commanded(tmp_path, monkeypatch, "--duration", "0.5") == 0.5
+    assert "to 0.5 s" in capsys.readouterr().out
+    for wrong in ("-1", "nan", "inf", "long"):
+        with pytest.raises(SystemExit):
+            commanded(tmp_path, monkeypatch, "--duration", wrong)
+        assert f"invalid positive value: '{wrong}'" in capsys.readouterr().err
+
+
+def test_an_automatic_step_is_a_part_of_the_duration(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("Integrator", "Place", rig.constant("1")), "place")
+    rig.solver.update(SolverType="Fixed-step", Solver="ode4", FixedStep="auto")
+    ours, theirs, script = both(rig, tmp_path, 1.0)
+    require_same(ours, theirs)
+    assert "fixed_step=duration / 50" in script.text
+
+
 def test_sample_times_code_tables_and_stops(tmp_path):
     rig = Rig()
     clock = rig.block("Clock", "Clock")

@@ -1,0 +1,72 @@
+"""The data of a mechanism: its blocks, with the parameters that its dynamics read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from drake_leg.simulink.dynamics.system import Contact, mechanism_dynamics
+from drake_leg.simulink.model import Model, Value
+from drake_leg.simulink.wiring import physical_part
+
+
+class _Read(dict[str, Value]):
+    """Parameters that note which of them are read."""
+
+    def __init__(self, given: Mapping[str, Value]) -> None:
+        super().__init__()
+        self._given = given
+        self.read: dict[str, Value] = {}
+
+    def __getitem__(self, name: str) -> Value:
+        found = self._given[name]
+        self.read[name] = found
+        return found
+
+    def get(self, name: str, default: Any = None) -> Any:  # noqa: ANN401 - as of a dict
+        return self[name] if name in self._given else default
+
+    def __contains__(self, name: object) -> bool:
+        if name not in self._given:
+            return False
+        self[str(name)]
+        return True
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._given)
+
+    def __len__(self) -> int:
+        return len(self._given)
+
+    def keys(self) -> Any:  # noqa: ANN401 - as of a dict
+        return self._given.keys()
+
+    def items(self) -> Any:  # noqa: ANN401 - as of a dict
+        return [(name, self[name]) for name in self._given]
+
+
+def mechanism_data(model: Model, contact: Contact) -> dict[str, Any]:
+    """Gather the blocks of a mechanism with the parameters that its dynamics read."""
+    flat = physical_part(model)
+    ends = {port.partition("#")[0] for node in flat.nodes for port in node}
+    blocks = [
+        replace(block, system="", parameters=_Read(block.parameters))
+        for block in flat.blocks
+        if block.sid in ends
+    ]
+    mechanism_dynamics(replace(flat, blocks=tuple(blocks)), contact=contact)
+    listed = []
+    for block in blocks:
+        assert isinstance(block.parameters, _Read)
+        each = {"sid": block.sid, "name": block.name, "type": block.type, "source": block.source}
+        more = (
+            {"path": block.path, "mask": list(block.mask)} if block.mask else {"path": block.path}
+        )
+        listed.append({**each, **more, "parameters": dict(block.parameters.read)})
+    return {
+        "name": model.name,
+        "contact": contact,
+        "blocks": listed,
+        "connections": [list(node) for node in flat.nodes],
+    }
