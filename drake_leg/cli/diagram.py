@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, get_args
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.model_files import add_model_options, is_model, opened, refuse_model_options
-from drake_leg.cli.terminal import option_of, picture
+from drake_leg.cli.terminal import option_of, picture, refuse_ignored
 from drake_leg.colours import Background
 from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.robot.robot import Robot
@@ -40,6 +40,11 @@ def configure_diagram(parser: argparse.ArgumentParser) -> None:
         help="signals; mechanism; all, which is both; frames, the robot with its frames, "
         "angles, lengths and forces; or the name of a link, as femur (the reports' thigh); of a "
         "Simulink model signals, mechanism or all (default all)",
+    )
+    parser.add_argument(
+        "--system",
+        metavar="PATH",
+        help="draw one subsystem of a Simulink model, by its path, as 'Leg/Control', or its name",
     )
     parser.add_argument(
         "--without-scopes", action="store_true", help="leave out the scopes of a run"
@@ -79,6 +84,10 @@ def _picture(chosen: argparse.Namespace) -> str:
     if is_model(chosen.name):
         return _model(chosen)
     refuse_model_options(chosen)
+    refuse_ignored(
+        {"--system": chosen.system is not None},
+        "is for Simulink models and means nothing here",
+    )
     return _frames(chosen) if chosen.part == "frames" else _blocks(chosen)
 
 
@@ -91,7 +100,9 @@ def _model(chosen: argparse.Namespace) -> str:
     _refuse_signal_options(chosen, "is for runs and means nothing to a Simulink model")
     model = opened(Path(chosen.name), chosen)
     try:
-        pictures = model_pictures(model, title=printable(model.name), part=chosen.part)
+        pictures = model_pictures(
+            model, title=printable(model.name), part=chosen.part, system=chosen.system
+        )
     except InvalidValueError as error:
         raise InvalidValueError(f"{chosen.name}: {error}") from None
     return draw(*pictures, background=chosen.background).svg

@@ -26,6 +26,7 @@ from drake_leg.pictures.svg import (
     wrapped,
 )
 from drake_leg.simulink.lacks import with_texts
+from drake_leg.simulink.listing import printable
 from drake_leg.simulink.matlab.program import Program, program
 from drake_leg.simulink.mechanism import (
     TO_PHYSICAL,
@@ -35,6 +36,7 @@ from drake_leg.simulink.mechanism import (
     ports_by_block,
 )
 from drake_leg.simulink.model import Block, Model, Value, split_port
+from drake_leg.simulink.subsystems import largest_subsystems, subsystem
 from drake_leg.simulink.wiring import flatten
 
 GLYPHS = JOINT_GLYPHS | {
@@ -74,6 +76,7 @@ _INSIDE = {
 }
 _SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
 MOST_BLOCKS = 300  # in one picture; more cannot be read
+MOST_LISTED = 8  # subsystems in a sentence
 
 
 def signal_blocks(
@@ -294,11 +297,14 @@ def _is_wide(line: _Line, glyph: Mapping[str, str]) -> bool:
     return glyph[split_port(line.source)[0]] == "mux" or "demux" in ends
 
 
-def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Picture, ...]:
+def model_pictures(
+    model: Model, *, title: str, part: str = ALL, system: str | None = None
+) -> tuple[Picture, ...]:
     """Read the pictures of a Simulink model; subsystems are opened, Goto and From become wires.
 
     There is one for each part that the model has. A joint or a sensor that signals reach or leave
-    is in both, every other block in one.
+    is in both, every other block in one. With ``system``, the path of a subsystem, or its name, it
+    alone is drawn.
 
     Raises
     ------
@@ -310,6 +316,8 @@ def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Pictur
             f"there is no part {part!r} of a Simulink model: its parts are {SIGNALS} and "
             f"{MECHANISM}, and {ALL} is both"
         )
+    if system is not None:
+        model, title = subsystem(model, system), f"{title}: {printable(system)}"
     flat = flatten(model, strict=False)
     names = unique_names(model)
     network = network_of(flat)
@@ -325,13 +333,20 @@ def model_pictures(model: Model, *, title: str, part: str = ALL) -> tuple[Pictur
             else f"the model has no {part} to draw: draw all that it has"
         )
     for name in chosen:
-        _require_drawable(pictures[name], name)
+        _require_drawable(pictures[name], name, model)
     return tuple(pictures[name] for name in chosen)
 
 
-def _require_drawable(picture: Picture, part: str) -> None:
-    if len(picture.blocks) > MOST_BLOCKS:
-        raise InvalidValueError(
-            f"the picture of its {part} would have {len(picture.blocks)} blocks; at most "
-            f"{MOST_BLOCKS} can be drawn: save one of its subsystems as a model and draw that"
-        )
+def _require_drawable(picture: Picture, part: str, model: Model) -> None:
+    if len(picture.blocks) <= MOST_BLOCKS:
+        return
+    systems = largest_subsystems(model, MOST_BLOCKS)
+    listed = ", ".join(f"{printable(path)!r} of {n} blocks" for path, n in systems[:MOST_LISTED])
+    more = f" and {len(systems) - MOST_LISTED} more" if len(systems) > MOST_LISTED else ""
+    raise InvalidValueError(
+        f"the picture of its {part} would have {len(picture.blocks)} blocks; at most "
+        f"{MOST_BLOCKS} can be drawn",
+        advice=f"draw a subsystem with `system`: {listed}{more}"
+        if listed
+        else "put some of its blocks into subsystems",
+    )

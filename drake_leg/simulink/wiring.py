@@ -34,7 +34,7 @@ def flatten(model: Model, *, gates: bool = False, strict: bool = True) -> Model:
     """
     blocks = {block.sid: block for block in model.blocks}
     gated = gated_systems(model) if gates else frozenset()
-    leaves = tuple(block for block in model.blocks if _is_leaf(block, gated))
+    leaves = tuple(block for block in model.blocks if is_leaf(block, gated))
     return replace(
         model,
         blocks=leaves,
@@ -51,12 +51,12 @@ def gated_systems(model: Model) -> frozenset[str]:
 def physical_part(model: Model) -> Model:
     """Take away every boundary of the physical connections, and all signals."""
     blocks = {block.sid: block for block in model.blocks}
-    leaves = tuple(block for block in model.blocks if _is_leaf(block))
+    leaves = tuple(block for block in model.blocks if is_leaf(block))
     return replace(model, blocks=leaves, wires=(), nodes=_nodes(model, blocks))
 
 
-def _is_open(block: Block) -> bool:
-    """Whether it is a subsystem that one can look into."""
+def is_open(block: Block) -> bool:
+    """Tell whether it is a subsystem that one can look into."""
     return block.type == "SubSystem" and block.parameters.get("SFBlockType") == "NONE"
 
 
@@ -76,7 +76,8 @@ def _place_in_bus(block: Block) -> int:
     return int(text) if text.isdecimal() else 1
 
 
-def _is_leaf(block: Block, gated: Container[str] = ()) -> bool:
+def is_leaf(block: Block, gated: Container[str] = ()) -> bool:
+    """Tell whether a block stays where boundaries are taken away."""
     if block.type == "Outport" and block.system in gated:
         return True
     if block.system and is_of_bus(block):
@@ -85,7 +86,7 @@ def _is_leaf(block: Block, gated: Container[str] = ()) -> bool:
         return not block.system
     if block.type == _BUS:
         return False
-    return not (_is_open(block) or block.type in _ROUTING or block.kind in _LABELS)
+    return not (is_open(block) or block.type in _ROUTING or block.kind in _LABELS)
 
 
 class _Signals:
@@ -101,7 +102,7 @@ class _Signals:
         self._ports = {
             (block.system, block.type, block.parameters.get("Port")): block
             for block in model.blocks
-            if block.type in ("Inport", "Outport") and (not is_of_bus(block) or _is_leaf(block))
+            if block.type in ("Inport", "Outport") and (not is_of_bus(block) or is_leaf(block))
         }
         self._gotos: dict[str, list[Block]] = {}
         for block in model.blocks:
@@ -116,12 +117,12 @@ class _Signals:
             sid, kind, _ = split_port(wire.target)
             block = self._blocks[sid]
             target = wire.target
-            if _is_open(block) and kind in _GATES:
+            if is_open(block) and kind in _GATES:
                 target = self._gate(block, kind)
             elif block.type == "Outport" and block.system and is_of_bus(block):
                 first = self._ports[block.system, "Outport", block.parameters.get("Port")]
                 target = f"{first.sid}#in:{_place_in_bus(block)}"
-            elif not _is_leaf(block, self._gated):
+            elif not is_leaf(block, self._gated):
                 continue
             source, name = self._origin(wire)
             if block.type == "Outport" and is_of_bus(block):
@@ -160,10 +161,10 @@ class _Signals:
             name = name or wire.name
             sid, _, number = split_port(wire.source)
             block = self._blocks[sid]
-            if _is_leaf(block, self._gated):
+            if is_leaf(block, self._gated):
                 return wire.source, name
             held = self._ports.get((sid, "Outport", float(number)))
-            if held is not None and _is_leaf(held, self._gated):
+            if held is not None and is_leaf(held, self._gated):
                 return f"{held.sid}#out:1", name
             wire = self._drivers.get(self._behind(block, number))
         return "", name
@@ -223,7 +224,7 @@ def _nodes(model: Model, blocks: dict[str, Block]) -> tuple[tuple[str, ...], ...
             for port in ports_of.get(sid, ())
         )
     kept = (
-        tuple(port for port in node if _is_leaf(blocks[split_port(port)[0]]))
+        tuple(port for port in node if is_leaf(blocks[split_port(port)[0]]))
         for node in _through_buses(groups, blocks)
     )
     return tuple(node for node in kept if len(node) > 1)

@@ -53,7 +53,8 @@ ALWAYS = {
     "inspect": {"--blocks", "--json", "--path", "--init", "--variant"},
     "compare": OF_RUNS | {"--path", "--init", "--variant", "--json", "--strict", "--frequency",
                           "--direction", "--gain"},
-    "diagram": {"--path", "--init", "--variant", "--part", "--background", "--out", "--overwrite"},
+    "diagram": {"--path", "--init", "--variant", "--part", "--system", "--background", "--out",
+                "--overwrite"},
 }  # fmt: skip
 
 NO_LIMIT = "there is no limit"
@@ -105,6 +106,8 @@ MEANINGLESS = [
     ("compare", "leg-b --set D3=1", "the model uses no variable 'D3'"),
     ("diagram", f"{MODEL} --set D3=1 --out a.svg", "the model uses no variable 'D3'"),
     ("inspect", f"{MODEL} --set D3=1", "the model uses no variable 'D3'"),
+    ("diagram", "leg-b --system Leg --out a.svg", "is for Simulink models and means nothing"),
+    ("diagram", "leg-b --part frames --system A --out a.svg", "is for Simulink models and"),
     ("diagram", "leg-b --init a.m --out a.svg", "is for Simulink models and means nothing"),
     *(
         ("run", f"leg-b {option}", "is for Simulink models and means nothing here")

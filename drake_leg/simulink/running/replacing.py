@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from drake_leg.errors import InvalidValueError, did_you_mean
+from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
 from drake_leg.simulink.model import Block, Model, Parameters
+from drake_leg.simulink.subsystems import block_named, inside
 
 REPLACED = "Replaced"  # the type of a block that is replaced
 CONSTANT = "constant"
-SHOWN = 5  # paths in a sentence
 LARGEST_TABLE = 256 << 20  # bytes
 PHYSICAL = ("fl_lib/", "nesl_utility/", "sm_lib/")
 
@@ -35,21 +35,21 @@ def replaced(model: Model, replacements: Mapping[str, str]) -> Model:
     found = {_block_of(model, name).sid: (name, text) for name, text in replacements.items()}
     if not found:
         return model
-    inside = _inside(model, frozenset(found))
+    gone = inside(model, frozenset(found))
     blocks = tuple(
         _put(block, *found[block.sid]) if block.sid in found else block
         for block in model.blocks
-        if block.sid not in inside
+        if block.sid not in gone
     )
     return replace(
         model,
         blocks=blocks,
-        wires=tuple(wire for wire in model.wires if _sid(wire.source) not in inside),
-        nodes=tuple(node for node in model.nodes if not any(_sid(each) in inside for each in node)),
+        wires=tuple(wire for wire in model.wires if _sid(wire.source) not in gone),
+        nodes=tuple(node for node in model.nodes if not any(_sid(each) in gone for each in node)),
         functions=tuple(
             function
             for function in model.functions
-            if function.sid not in inside and function.sid not in found
+            if function.sid not in gone and function.sid not in found
         ),
     )
 
@@ -59,23 +59,7 @@ def _sid(port: str) -> str:
 
 
 def _block_of(model: Model, name: str) -> Block:
-    """Find the block of a path, or of a name that only one block has."""
-    named = [block for block in model.blocks if block.path == name]
-    named = named or [block for block in model.blocks if block.name == name]
-    if not named:
-        names = dict.fromkeys(each for block in model.blocks for each in (block.name, block.path))
-        raise InvalidValueError(
-            f"there is no block {name!r} to replace",
-            advice=did_you_mean(name, filter(None, names), "`drake-leg inspect` lists them"),
-        )
-    if len(named) > 1:
-        paths = [repr(block.path) for block in named[:SHOWN]]
-        more = f" and {len(named) - SHOWN} more" if len(named) > SHOWN else ""
-        raise InvalidValueError(
-            f"{len(named)} blocks are called {name!r}: {', '.join(paths)}{more}",
-            advice="write the path of the one to replace",
-        )
-    (block,) = named
+    block = block_named(model, name, among=model.blocks, aim="block to replace")
     is_physical = block.unknown and any(_sid(port) == block.sid for n in model.nodes for port in n)
     if is_physical or block.source.startswith(PHYSICAL):
         raise InvalidValueError(
@@ -83,19 +67,6 @@ def _block_of(model: Model, name: str) -> Block:
             "be replaced"
         )
     return block
-
-
-def _inside(model: Model, systems: frozenset[str]) -> frozenset[str]:
-    """SIDs of the blocks inside systems, at any depth."""
-    above = {block.sid: block.system for block in model.blocks}
-    found = set()
-    for sid in above:
-        system = above[sid]
-        while system and system not in systems:
-            system = above.get(system, "")
-        if system:
-            found.add(sid)
-    return frozenset(found)
 
 
 def _put(block: Block, name: str, text: str) -> Block:
