@@ -13,8 +13,9 @@ from drake_leg.simulink.multibody.mass import Array, MassProperties, of_second_m
 MOST_BYTES = 200_000_000
 _HEAD = 84  # bytes before the triangles of a binary file
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
-_NUMBER = rb"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
-_CORNER = re.compile(rb"vertex\s+(%b)\s+(%b)\s+(%b)" % (_NUMBER, _NUMBER, _NUMBER))
+_NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_CORNER = re.compile(rb"vertex\s+(%b)\s+(%b)\s+(%b)(?!\S)" % (_NUMBER, _NUMBER, _NUMBER))
+_WORD = re.compile(rb"\bvertex\b")
 
 
 def read_stl(path: Path) -> Array:
@@ -23,7 +24,7 @@ def read_stl(path: Path) -> Array:
     Raises
     ------
     InvalidValueError
-        If it cannot be read, or holds no triangles.
+        If it cannot be read, or holds no triangles, or one of them is not whole.
     """
     try:
         if path.stat().st_size > MOST_BYTES:
@@ -35,8 +36,10 @@ def read_stl(path: Path) -> Array:
     if count and len(content) == _HEAD + count * _RECORD.itemsize:
         corners = np.frombuffer(content, _RECORD, count, _HEAD)["corners"].astype(float)
     else:
-        numbers = [float(number) for corner in _CORNER.findall(content) for number in corner]
-        corners = np.array(numbers[: len(numbers) // 9 * 9]).reshape(-1, 3, 3)
+        found = _CORNER.findall(content)
+        if len(found) % 3 or len(found) != len(_WORD.findall(content)):
+            raise InvalidValueError(f"{path.name!r} has a triangle that is cut: export it again")
+        corners = np.array(found, dtype=float).reshape(-1, 3, 3)
     if not len(corners) or not np.isfinite(corners).all():
         raise InvalidValueError(f"{path.name!r} holds no triangles: export it again")
     return corners

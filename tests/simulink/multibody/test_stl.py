@@ -58,6 +58,15 @@ def test_a_file_without_triangles_is_named(tmp_path, content):
         read_stl(tmp_path / "a.stl")
 
 
+@pytest.mark.parametrize("broken", ["vertex 1.2.3 0 0", "vertex 1 nan 0", "vertex 1 0", ""])
+def test_a_text_whose_triangle_is_cut_is_named(tmp_path, broken):
+    path = text(tmp_path / "a.stl", corners())
+    lines = path.read_text(encoding="utf-8").splitlines()
+    path.write_text("\n".join([lines[0], broken, *lines[2:]]), encoding="utf-8")
+    with pytest.raises(InvalidValueError, match=r"'a[.]stl' has a triangle that is cut"):
+        read_stl(path)
+
+
 def test_a_file_solid_has_its_mass_from_the_file(tmp_path):
     built = MechanismBuilder()
     texts = {"ExtGeomFileName": r"C:\\parts\\part.stl", "ExtGeomFileUnits": "cm", "Density": "500"}
