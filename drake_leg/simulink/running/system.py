@@ -36,8 +36,8 @@ MOST_TICKS = 1e7  # of a base rate in its longest period
 class Memory(list[Any]):
     """What blocks remember; a copy shares the values, which nothing changes in place."""
 
-    stepped: float | None = None  # [s], the last major step
-    sampled: float | None = None  # [s], the last sample time
+    stepped: float | None = None  # [s] since the start, the last major step
+    sampled: float | None = None  # [s] since the start, the last sample time
 
     def __deepcopy__(self, _: object) -> Memory:
         return self.copied()
@@ -291,15 +291,16 @@ class SignalSystem(LeafSystem):
         self, context: Context, state: State, hits: Sequence[bool], *, step: bool
     ) -> EventStatus:
         held = state.get_abstract_state().get_value(int(self._memory)).get_value()
-        if context.get_time() == (held.stepped if step else held.sampled):
+        now = context.get_time()
+        if now == (held.stepped if step else held.sampled):
             return EventStatus.DidNothing()  # it happened before, at the same time
         t, _, _, sensed, efforts = self._read(context)
         x = state.get_continuous_state().CopyToVector().tolist()  # another event may have set it
         memory = held.copied()
         if step:
-            memory.stepped = t
+            memory.stepped = now
         else:
-            memory.sampled = t
+            memory.sampled = now
         after = np.array(x) if self.code.resets else self._none
         with np.errstate(all="ignore"):
             self._major(t, x, memory, sensed, efforts, hits, step, after)

@@ -38,6 +38,21 @@ def test_blocks_are_sampled_at_multiples_of_their_period(tmp_path, start):
     assert shown(run, "held") == pytest.approx(expected, abs=1e-9)
 
 
+@pytest.mark.parametrize("start", ["1", "2", "-1"])
+def test_what_is_sampled_once_a_period_is_so_at_any_start(tmp_path, start):
+    """A counter goes up at every sample time, a Memory gives what was at the step before."""
+    rig, clock = rig_from(start)
+    count = rig.block("UnitDelay", "count", "", SampleTime="1")
+    rig.connect(rig.block("Sum", "next", count, rig.constant("1"), Inputs="++"), count)
+    rig.show(count, "count")
+    rig.show(rig.block("Memory", "memory", clock, InitialCondition="7"), "memory")
+    run = rig.run(tmp_path, duration=4.0)
+    late = (run.time - float(start)) % 1.0 > 1e-6
+    assert shown(run, "count")[late] == pytest.approx(np.floor(run.time - float(start))[late])
+    assert shown(run, "memory")[0] == 7.0
+    assert shown(run, "count")[-1] == 4.0
+
+
 def test_rates_are_taken_since_the_start(tmp_path):
     rig, clock = rig_from("5")
     rig.show(rig.block("Derivative", "slope", clock), "slope")
