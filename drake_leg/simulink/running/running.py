@@ -306,12 +306,12 @@ def run_model(
             stepper.begin()
             duration = ready.solver["duration"]
             for time, is_row in moments(ready.code, duration, diagram.signals.base):
-                stepper.advance(time, lambda: bool(watch.stopped))
+                is_there = stepper.advance(time, lambda: bool(watch.stopped))
                 if watch.crawls and not stepper.is_stiff:
                     stepper.change(STIFF)
                     _take_own_steps(ready, stepper)
-                    stepper.advance(time, lambda: bool(watch.stopped))
-                if watch.stopped:
+                    is_there = stepper.advance(time, lambda: bool(watch.stopped))
+                if not is_there:
                     break
                 if is_row:
                     if diagram.signals.has_events:

@@ -67,7 +67,7 @@ class Solution:
         self._explicit = DormandPrince(x.size)
         self._method: Rosenbrock | DormandPrince = self._implicit if x.size else self._explicit
         self._stepped: Rosenbrock | DormandPrince = self._method  # by which the last step was
-        self._from, self._before = t, self.x
+        self._from, self._before, self._to, self._after = t, self.x, t, self.x
         self._since, self._greatest, self._before_implicit = 0, 0.0, math.inf
         self._bounded, self._free, self._patience = 0, 0, PATIENCE
         self.methods = {self._method.name}
@@ -102,7 +102,8 @@ class Solution:
                 if worst <= 1.0:
                     break
         self._from, self._before, self._stepped = t, x, method
-        self.t, self.x = (end if whole else t + h), new
+        self.t = self._to = end if whole else t + h
+        self.x = self._after = new
         self.steps += 1
         self._reconsider(h)
         if whole:
@@ -133,8 +134,8 @@ class Solution:
         """Return the states at a time within the last step."""
         if time == self.t:
             return self.x
-        share = (time - self._from) / (self.t - self._from)
-        return self._stepped.between(share, self._before, self.x)
+        share = (time - self._from) / (self._to - self._from)
+        return self._stepped.between(share, self._before, self._after)
 
     def _reconsider(self, h: float) -> None:
         """Choose the method by which an evaluation leads further, after a step of a length."""

@@ -165,16 +165,18 @@ class Stepper:
             self._simulator.Initialize()
         else:
             self._happen(self._own)
+            self._watch(self.context)
 
-    def advance(self, time: float, is_over: Callable[[], bool]) -> None:
-        """Go on to a time, or to where it is over."""
+    def advance(self, time: float, is_over: Callable[[], bool]) -> bool:
+        """Go on to a time, or to where it is over; tell whether the time was reached."""
         if self._own is not None:
             if self._advance_own(self._own, time, is_over):
-                return
+                return self._own.t >= time
             self._own_steps += self._own.steps
             self._own = None
             self._restart()
         self._simulator.AdvanceTo(time)
+        return not is_over()
 
     def finish_events(self) -> None:
         """Let happen what happens at the time that is reached."""
@@ -207,7 +209,7 @@ class Stepper:
 
     def _advance_own(self, own: Solution, time: float, is_over: Callable[[], bool]) -> bool:
         """Go on by own steps; tell whether they went well, else the last good one is in place."""
-        while own.t < time:
+        while own.t < time and not is_over():
             if self.context.get_time() != own.t:
                 self._put(own, own.t)
             self._happen(own)
@@ -223,10 +225,8 @@ class Stepper:
                 self._end_at_edge(own, signs)
             self._watch(self.context)  # which may put driven axes on their motions
             own.correct(self._states())
-            if is_over():
-                return True
-        self._put(own, time)
-        if time != own.t:
+        self._put(own, min(time, own.t))
+        if time < own.t:
             self._watch.follow(self.context)
         return True
 

@@ -96,6 +96,30 @@ def test_a_stop_ends_the_run_where_its_signal_changes(tmp_path):
     assert run.ended == pytest.approx(1.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("integrates", [True, False])
+def test_a_stop_that_is_on_ends_the_run_at_its_start(integrates, tmp_path):
+    rig = Rig()
+    one = rig.constant("1")
+    rig.block("Stop", "stop", one)
+    rig.show(rig.block("Integrator", "x", one) if integrates else one, "y")
+    run = rig.run(tmp_path)
+    assert run.by_block
+    assert (run.ended, run.time.tolist()) == (0.0, [0.0])
+
+
+def test_rows_reach_to_where_a_stop_ends_the_run(tmp_path):
+    """One step goes past many rows and is cut at the Stop: the rows before it lie on the curve."""
+    rig = Rig()
+    x = rig.block("Integrator", "x", wave(rig, "pi/2"))
+    deep = rig.block("RelationalOperator", "deep", x, rig.constant("0.45"), Operator=">=")
+    rig.block("Stop", "stop", deep)
+    rig.show(x, "x")
+    run = rig.run(tmp_path, 3.0, accuracy=1e-6)
+    assert run.ended == pytest.approx(np.arcsin(0.45 * W / SIZE) / W, abs=1e-6)
+    assert 0.0 <= run.ended - run.time[-1] < 3.0 / 500
+    assert shown(run, "x") == pytest.approx(SIZE / W * np.sin(W * run.time), abs=1e-6)
+
+
 def test_what_changes_its_sign_at_every_step_does_not_stop_the_time(tmp_path):
     """x' = t - 2 sign(x) slides along 0, where a Hit Crossing looks at it."""
     rig = Rig()
