@@ -276,7 +276,8 @@ _CYLINDRICAL = {
     "TranslationZOffset": "TranslationCylindricalZOffset",
     "TranslationThetaOffset": "TranslationCylindricalTheta",
 }
-OLD_NAMES = {  # of parameters of Simscape Multibody in files until about R2018, and today's
+OLD_NAMES = {  # of parameters in files until about R2018, and today's
+    "OverrideUsingVariant": ("LabelModeActiveChoice",),
     "TranslationLengthUnit": ("TranslationStandardOffsetUnits", "TranslationCartesianOffsetUnits"),
     "BrickDimensionUnits": ("BrickDimensionsUnits",),
     "GravityUnits": ("GravityVectorUnits",),
@@ -571,7 +572,26 @@ _ROBOTICS: dict[str, Parameters] = {
     ),
 }
 
+_CONTACT = choices(force_law="Linear", friction_law="Stick-Slip Continuous") + numbers(
+    k_contact="1e4",
+    b_contact="1e2",
+    pen_full_damp_F="1e-4",
+    pen_exponent="1",
+    mu_kinetic="0.5",
+    mu_static="0.7",
+    v_thr="0.001",
+)
+_CONTACT_FORCES: dict[str, Parameters] = {
+    "Sphere to Plane Force": numbers(
+        sphere_rad="0.1", plane_lenx="1", plane_leny="1", plane_depth="0.05"
+    )
+    + _CONTACT,
+    "Sphere to Sphere Force": numbers(sphB_rad="0.1", sphF_rad="0.1") + _CONTACT,
+    "Sphere in Sphere Force": numbers(sphB_rad="0.3", sphF_rad="0.1") + _CONTACT,
+}
+
 LIBRARIES: dict[str, dict[str, Parameters]] = {
+    "Contact_Forces_Lib": _CONTACT_FORCES,
     "cstblocks": {"LTI System": choices(sys="tf(1,[1 1])", IC="[]")},
     "robotcorelib": _ROBOTICS,
     "robotlib": _ROBOTICS,
@@ -584,6 +604,8 @@ LIBRARIES: dict[str, dict[str, Parameters]] = {
     "slpidlib": _SIMULINK,
     "simulink_extras": _SIMULINK,
 }
+
+WHERE_ABSENT = ("Contact_Forces_Lib",)  # libraries whose files come first where they are found
 
 
 def known_parameters(block_type: str, source: str) -> Parameters | None:

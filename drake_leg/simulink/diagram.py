@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import one_line, parameters
-from drake_leg.simulink.catalogue import known_parameters, under_todays_names
+from drake_leg.simulink.catalogue import WHERE_ABSENT, known_parameters, under_todays_names
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.linking import Libraries, Linked
 from drake_leg.simulink.masks import Mask, read_mask
@@ -277,6 +277,7 @@ def _reference(block: DrawnBlock) -> str | None:
     """Return what a block refers to in this file or others, None where it refers to nothing."""
     if block.type == "Reference":
         known = known_parameters(block.type, block.source) is not None
+        known = known and block.source.partition("/")[0] not in WHERE_ABSENT
         return None if known or not block.source else block.source
     if block.type == "ModelReference":
         texts = block.texts

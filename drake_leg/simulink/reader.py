@@ -13,6 +13,7 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.simulink.archive import parameters
+from drake_leg.simulink.catalogue import OLD_NAMES
 from drake_leg.simulink.diagram import Diagram, DrawnBlock, mask_of_file, read_diagram
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.linking import Libraries
@@ -39,7 +40,6 @@ _DEFAULTS = {
     "InitialStep": "auto",
     "FixedStep": "auto",
 }
-_ACTIVE = ("LabelModeActiveChoice", "OverrideUsingVariant")  # choice of a variant subsystem
 _UNBOUNDED = ("StopTime", "MaxStep")
 _FIXED = re.compile(r"FixedStep\w*|ode(1|2|3|4|5|8|14x|1be|1b)")
 
@@ -110,7 +110,7 @@ class _Texts:
         block = self._blocks.get(path.partition("/")[2])
         if block is None:
             return None
-        names = _ACTIVE if name == "ActiveVariant" else (name,)
+        names = OLD_NAMES.get("OverrideUsingVariant" if name == "ActiveVariant" else name, (name,))
         texts = block.texts | block.mask.values
         return next((texts[one] for one in names if one in texts), None)
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.simulink.catalogue import OLD_NAMES
 from drake_leg.simulink.diagram import Diagram, DrawnBlock
 from drake_leg.simulink.matlab.data import array_of
 from drake_leg.simulink.matlab.names import names_in
@@ -208,12 +209,14 @@ class _Handle:
         block = self._block if path == self.path else self._paths.get(self._known(path))
         if block is None:
             return None
-        return block.mask.values.get(name, block.texts.get(name))
+        own = OLD_NAMES.get(name, (name,))[0]
+        return block.mask.values.get(name, block.texts.get(own))
 
     def set(self, path: str, name: str, text: str) -> None:
         """Change a parameter of a block inside."""
         if path.startswith(f"{self.path}/"):
-            self.changes.setdefault(self._known(path), {})[name] = text
+            changed = dict.fromkeys(OLD_NAMES.get(name, (name,)), text)
+            self.changes.setdefault(self._known(path), {}).update(changed)
 
     def found(self, path: str, wanted: Mapping[str, str]) -> list[str]:
         """Paths of a block and those inside it whose parameters have these texts."""

@@ -36,6 +36,13 @@ MECHANISM = """
 said each time. *In motion* tells what it does when the model runs.
 """
 
+CONTACT_FORCES = """
+## Contact Forces Library
+
+These blocks act where the library's own file is not found; where it is, its blocks are read, and
+act to rounding alike. The law *Custom*, and its other blocks, take the file.
+"""
+
 SIGNALS = """
 ## Simulink
 
@@ -95,6 +102,7 @@ _MOVES = "moves: springs, dampers, limits, inputs, sensing"
 _IN_MOTION = {
     "Transform Sensor": _SENSES,
     "Spatial Contact Force": "acts, with friction; senses",
+    **dict.fromkeys(LIBRARIES["Contact_Forces_Lib"], "acts, with friction; puts out its bus"),
     "External Force and Torque": _ACTS,
     "Internal Force": _ACTS,
     "Spring and Damper Force": "acts; senses",
@@ -146,6 +154,7 @@ def in_a_run(kind: str) -> str:
 def page() -> str:
     """Write the page."""
     lines = [HEAD, MECHANISM, *_table(_COLUMNS, _multibody())]
+    lines += [CONTACT_FORCES, *_table(_COLUMNS, _forces_of_contact())]
     lines += [SIGNALS, *_table(_OF_SIGNALS, _rows(BUILT_IN, WITHOUT_PARAMETERS))]
     for title, library in (
         ("Masked blocks of Simulink", "simulink"),
@@ -162,6 +171,11 @@ def _multibody() -> Iterator[tuple[str, ...]]:
     order = [*JOINTS, *(kind for kind in MULTIBODY if kind not in JOINTS)]
     for kind in order:
         yield kind, _count(MULTIBODY[kind]), in_mechanism(kind), in_motion(kind)
+
+
+def _forces_of_contact() -> Iterator[tuple[str, ...]]:
+    for kind, parameters in LIBRARIES["Contact_Forces_Lib"].items():
+        yield kind, _count(parameters), in_mechanism(kind), in_motion(kind)
 
 
 def _rows(

@@ -100,7 +100,7 @@ def _active(
     label = wanted.pop(block.path, None) or wanted.pop(block.name, None)
     asked = label is not None
     if label is None and block.texts.get("VariantControlMode", "label") == "label":
-        label = block.texts.get("LabelModeActiveChoice") or block.texts.get("OverrideUsingVariant")
+        label = block.texts.get("LabelModeActiveChoice")
     if label:
         fits = [one for one in choices if label in (one.name, one.texts.get("VariantControl"))]
         if asked and not fits:

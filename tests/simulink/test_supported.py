@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import pytest
-from mechanism_models import MechanismBuilder
+from mechanism_models import BODIES, MechanismBuilder
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.catalogue import MULTIBODY
+from drake_leg.simulink.catalogue import LIBRARIES, MULTIBODY
 from drake_leg.simulink.dynamics.system import mechanism_dynamics
 from drake_leg.simulink.mechanism import AT_GEOMETRY
 from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES
@@ -49,7 +49,7 @@ def test_what_the_page_says_of_a_block_is_so(tmp_path, kind):
 def test_what_the_page_says_of_a_block_in_motion_is_so(tmp_path, kind):
     """A force or a constraint between two joints acts, or is left out by name."""
     built = MechanismBuilder()
-    built.body(kind, "It", **NEEDED.get(kind, {}))
+    built.add_library(library_of(kind) + kind, "It", NEEDED.get(kind, {}))
     built.body("Spline", "Way", DataPoints="[0 0; 1 0]", EndConditionType="Natural")
     for name, side, place in (("A", "lconn:1", "0.3"), ("B", "rconn:1", "-0.4")):
         first = name == "A"
@@ -69,6 +69,10 @@ def test_what_the_page_says_of_a_block_in_motion_is_so(tmp_path, kind):
         built.physical(*(port_of(built, each) for each in (end, f"It {side}")))
     system = mechanism_dynamics(built.model(tmp_path))
     assert (kind in system.left_out) == (in_motion(kind) == LEFT_OUT)
+
+
+def library_of(kind):
+    return "Contact_Forces_Lib/3D/" if kind in LIBRARIES["Contact_Forces_Lib"] else BODIES
 
 
 def port_of(built, text):

@@ -2,7 +2,7 @@
 
 import pytest
 from slx_models import WORLD
-from slx_writer import ModelBuilder, read_understood
+from slx_writer import ModelBuilder, mask_text, read_understood
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.lacks import lacks_of
@@ -77,6 +77,18 @@ def test_one_choice_takes_the_place(path, texts, conditions, wanted, number):
     model = read_model(builder.write(path), variants=wanted)
     assert wired(model) == CHOSEN[number - 1]
     assert not lacks_of(model)
+
+
+@pytest.mark.parametrize("name", ["OverrideUsingVariant", "LabelModeActiveChoice"])
+def test_a_mask_chooses_by_either_name_of_the_setting(path, name):
+    builder = variant_model({"LabelModeActiveChoice": "Soft"}, ("Soft", "Stiff"))
+    outer = builder.add_block("SubSystem", "Around")
+    builder.blocks[builder.sid("Law")].system = outer
+    code = f"set_param([gcb '/Law'], '{name}', 'Stiff')"
+    builder.blocks[outer].mask = mask_text({"unused": "1"}, code)
+    names = {block.name for block in read_model(builder.write(path)).blocks}
+    assert "K2" in names
+    assert "K1" not in names
 
 
 @pytest.mark.parametrize(

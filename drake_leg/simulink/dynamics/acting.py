@@ -164,13 +164,15 @@ class Acting:
         self._of_response: list[tuple[slice, Callable[[Response], float | Array]]] = []
         linear: list[tuple[slice, Array, float]] = []
         for quantity in self._quantities():
-            if quantity.port not in self._wired:
+            if quantity.port not in self._wired and not quantity.bus:
                 continue
             if quantity.of_response is not None:
                 entries = self.efforts.add(quantity.port, quantity.shape)
                 self._of_response.append((entries, _flat(quantity.of_response, quantity.shape)))
                 continue
             entries = self.sensed.add(quantity.port, quantity.shape)
+            if quantity.bus:
+                self.sensed.buses[quantity.port] = quantity.bus
             if quantity.linear is not None:
                 linear.append((entries, *quantity.linear))
             elif quantity.of_state is not None:

@@ -38,11 +38,12 @@ from drake_leg.simulink.dynamics.shapes import (
     surface_of,
 )
 from drake_leg.simulink.dynamics.solver import Constraint
+from drake_leg.simulink.dynamics.sphere_forces import SPHERE_FORCES, SphereForce
 from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.mechanism import BASE, FOLLOWER, Frame, PhysicalNetwork
 from drake_leg.simulink.model import Block, invalid_parameter, is_on, number, split_port, vector
 from drake_leg.simulink.multibody.bodies import Mechanism
-from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES
+from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES, is_multibody
 from drake_leg.simulink.multibody.mass import Array
 from drake_leg.simulink.multibody.meshes import FileMeshes
 from drake_leg.simulink.multibody.solids import Solid
@@ -92,7 +93,7 @@ class Applied:
         }
         self._touching = {port: node for node in network.geometries for port in node}
         for block in network.blocks.values():
-            if block.source.startswith("sm_lib/"):
+            if is_multibody(block):
                 try:
                     self._add(block)
                 except InvalidValueError as error:
@@ -101,7 +102,7 @@ class Applied:
     @property
     def touches(self) -> bool:
         """Whether two bodies may touch."""
-        return any(isinstance(force, Contact) for force in self._of_state)
+        return any(isinstance(force, Contact | SphereForce) for force in self._of_state)
 
     @property
     def is_idle(self) -> bool:
@@ -153,6 +154,8 @@ class Applied:
             self._add_pair(block)
         elif kind == CONTACT:
             self._add_contact(block)
+        elif kind in SPHERE_FORCES:
+            self._add_sphere_force(block)
         elif kind in GEARS:
             places = self._frames(block, BASE, FOLLOWER)
             self.constraints += [gear_of(block, *places)] if places else []
@@ -203,6 +206,14 @@ class Applied:
         pair = law(block, base, follower)
         self._of_state.append(pair)
         self.quantities.append(Quantity(port=Ports(block).next(), of_state=pair.force))
+
+    def _add_sphere_force(self, block: Block) -> None:
+        places = self._frames(block, BASE, FOLLOWER)
+        if places:
+            follower, base = places
+            force = SPHERE_FORCES[block.kind](block, base, follower)
+            self._of_state.append(force)
+            self.quantities.append(force.quantity(block))
 
     # --- contact -----------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.simulink.dynamics.acting import Acting
+from drake_leg.simulink.dynamics.ports import Bus
 
 
 class AtPorts:
@@ -44,6 +45,11 @@ class AtPorts:
         """Shapes of all signals by port; entries of a matrix are in rows."""
         acting = self._acting
         return {**acting.inputs.shapes, **acting.sensed.shapes, **acting.efforts.shapes}
+
+    @property
+    def buses(self) -> Mapping[str, Bus]:
+        """What the entries of ports mean that put out a bus."""
+        return self._acting.sensed.buses
 
     @property
     def left_out(self) -> Mapping[str, tuple[str, ...]]:

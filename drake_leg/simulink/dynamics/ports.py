@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from types import MappingProxyType
 
+Bus = tuple[tuple[str, tuple[int, ...]], ...]  # names, in which a dot leads inwards, and shapes
+
 
 class Layout:
     """Entries of one vector, by the ports whose signals they hold."""
@@ -13,6 +15,7 @@ class Layout:
     def __init__(self) -> None:
         self._slices: dict[str, slice] = {}
         self._shapes: dict[str, tuple[int, ...]] = {}
+        self.buses: dict[str, Bus] = {}  # of the ports that put one out
         self.size = 0
 
     @property

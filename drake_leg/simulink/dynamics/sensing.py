@@ -11,6 +11,7 @@ import numpy as np
 from drake_leg.simulink.dynamics.coordinates import Axis, Ball
 from drake_leg.simulink.dynamics.joints import COMPONENTS, FIRST_PORT, Joints, prefix_of
 from drake_leg.simulink.dynamics.moment import Moment
+from drake_leg.simulink.dynamics.ports import Bus
 from drake_leg.simulink.dynamics.turns import quaternion
 from drake_leg.simulink.model import Block, is_on
 from drake_leg.simulink.multibody.mass import Array
@@ -38,6 +39,7 @@ class Quantity:
     of_state: Callable[[Moment], Value] | None = None
     of_response: Callable[[Response], Value] | None = None
     linear: tuple[Array, float] | None = None  # row and offset: what it is of the plant's state
+    bus: Bus = ()  # what its numbers are of a bus; none where it is no bus
 
 
 ACTUATOR = (

@@ -34,7 +34,8 @@ PLACES = (
 FORCES = (
     "Spatial Contact Force", "External Force and Torque", "Internal Force",
     "Inverse Square Law Force", "Gravitational Field", "Spring and Damper Force",
-    "Magic Formula Tire Force and Torque", "Planar Contact Force",
+    "Magic Formula Tire Force and Torque", "Planar Contact Force", "Sphere to Plane Force",
+    "Sphere to Sphere Force", "Sphere in Sphere Force",
 )  # fmt: skip
 CONSTRAINTS = (
     "Point on Curve Constraint", "Angle Constraint", "Distance Constraint",
@@ -140,7 +141,7 @@ class _Reading:
     def _at_frames(self) -> list[Block]:
         """List the blocks of Simscape Multibody at frames, and unknown blocks that meet them."""
         ports, frame = self._network.ports, self._network.frame
-        ours = [block for block in self._blocks if block.sid in ports and _is_multibody(block)]
+        ours = [block for block in self._blocks if block.sid in ports and is_multibody(block)]
         frames = {frame(port) for block in ours for port in ports[block.sid]}
         others = [
             block
@@ -221,13 +222,14 @@ class _Reading:
     def _left_out(self) -> dict[str, tuple[str, ...]]:
         found: dict[str, list[str]] = {}
         for block in self._blocks:
-            if block.kind in (*FORCES, *CONSTRAINTS) and _is_multibody(block):
+            if block.kind in (*FORCES, *CONSTRAINTS) and is_multibody(block):
                 found.setdefault(block.kind, []).append(block.name)
         return {kind: tuple(names) for kind, names in found.items()}
 
 
-def _is_multibody(block: Block) -> bool:
-    return block.source.startswith("sm_lib/")
+def is_multibody(block: Block) -> bool:
+    """Tell whether a block is of Simscape Multibody, or of a library that stands on it."""
+    return block.source.startswith(("sm_lib/", "Contact_Forces_Lib/"))
 
 
 def _own(block: Block) -> Frame:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.simulink.dynamics.ports import Bus
 from drake_leg.simulink.lacks import Lack, lacks_of_block
 from drake_leg.simulink.mechanism import TO_PHYSICAL
 from drake_leg.simulink.multibody.connections import refuse
@@ -27,6 +29,7 @@ from drake_leg.simulink.running.code import (
 )
 from drake_leg.simulink.running.kinds import Kind, kind_of
 from drake_leg.simulink.running.kinds.options import require_usual
+from drake_leg.simulink.running.kinds.routing import written_bus
 from drake_leg.simulink.running.loops import closed, opened, widened
 from drake_leg.simulink.running.motions import motion_entries
 from drake_leg.simulink.running.network import Node, SignalNetwork
@@ -48,6 +51,7 @@ class Ports:
     sensed: Mapping[str, slice] = field(default_factory=dict)
     efforts: Mapping[str, slice] = field(default_factory=dict)
     shapes: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    buses: Mapping[str, Bus] = field(default_factory=dict)
     y: Array = field(default_factory=lambda: np.zeros(0))  # sensed at the start
     e: Array = field(default_factory=lambda: np.zeros(0))
 
@@ -320,15 +324,10 @@ class _Pass:
         for port in sorted(places):
             if port not in self._network.sensed:
                 continue
-            place, shape = places[port], self._ports.shapes.get(port, ())
-            code = (
-                f"{vector}[{place.start}]"
-                if shape == ()
-                else f"{vector}[{place.start}:{place.stop}]"
-            )
-            code = f"float({code})" if shape == () else code
-            if len(shape) == 2:
-                code += f".reshape({shape})"
+            if port in self._ports.buses:
+                code = _bus_at(vector, places[port].start, self._ports.buses[port])
+            else:
+                code = _at(vector, places[port].start, self._ports.shapes.get(port, ()))
             name = self.pen.name(f"sensed_{port}")
             self.pen.run(
                 Section(title=f"sensed at {port}", lines=[f"{name} = {code}"], rate=CONTINUOUS)
@@ -463,3 +462,20 @@ def _is_lasting(name: str, pen: Pen) -> bool:
     from drake_leg.simulink.running.code import NAMESPACE
 
     return name in NAMESPACE or name in pen.constants
+
+
+def _at(vector: str, start: int, shape: tuple[int, ...]) -> str:
+    """Write a signal that is some entries of a vector."""
+    if shape == ():
+        return f"float({vector}[{start}])"
+    code = f"{vector}[{start}:{start + math.prod(shape)}]"
+    return f"{code}.reshape({shape})" if len(shape) == 2 else code
+
+
+def _bus_at(vector: str, start: int, bus: Bus) -> str:
+    """Write a bus whose signals are entries of a vector."""
+    named: dict[str, str] = {}
+    for name, shape in bus:
+        named[name] = _at(vector, start, shape)
+        start += math.prod(shape)
+    return written_bus(named)

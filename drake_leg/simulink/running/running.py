@@ -219,6 +219,7 @@ def _ports(mechanism: MechanismSystem | DrivenMechanism | None, u: Array | None)
         sensed=mechanism.sensed,
         efforts=mechanism.efforts,
         shapes=mechanism.shapes,
+        buses=mechanism.buses,
         y=mechanism.GetOutputPort("sensed").Eval(context),
         e=mechanism.GetOutputPort("efforts").Eval(context),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -155,14 +156,20 @@ def selected_of_bus(w: Writer) -> None:
 
 
 def joined_bus(w: Writer) -> str:
-    """Write the bus of the signals at all inputs by their names, in which dots lead inwards."""
+    """Write the bus of the signals at all inputs by their names."""
+    named = zip(w.node.names, w.inputs, strict=True)
+    return written_bus({name: one.code for name, one in named})
+
+
+def written_bus(signals: Mapping[str, str]) -> str:
+    """Write a bus of signals by their names, in which dots lead inwards."""
     tree: dict[str, Any] = {}
-    for name, one in zip(w.node.names, w.inputs, strict=True):
+    for name, code in signals.items():
         *above, last = name.split(".")
         inner = tree
         for part in above:
             inner = inner.setdefault(part, {})
-        inner[last] = one.code
+        inner[last] = code
 
     def text(part: str | dict[str, Any]) -> str:
         if isinstance(part, str):
