@@ -18,6 +18,7 @@ from drake_leg.simulink.matlab.numeric import MatlabError
 
 Array = NDArray[np.float64]
 ROUNDING = 1e-9  # of the largest number
+NOTHING = 1e-12  # of a row, which no x that meets the equations changes
 _MOST_ARGUMENTS = 10  # H, f, A, b, Aeq, beq, lb, ub, x0, options
 
 
@@ -63,27 +64,38 @@ def least_quadratic(
     if at_most is None or not len(at_most[1]):
         return center
     A, b = at_most
-    found: Array = center + to_x @ _shortest(-A @ to_x, A @ center - b)
+    G, h = -A @ to_x, A @ center - b
+    sizes = np.linalg.norm(A, axis=1) * np.linalg.norm(to_x)
+    is_fixed = np.linalg.norm(G, axis=1) <= NOTHING * sizes
+    if np.any((h > ROUNDING * (np.abs(A) @ np.abs(center) + np.abs(b)))[is_fixed]):
+        raise MatlabError("'quadprog': nothing meets the constraints")
+    found: Array = center + to_x @ _shortest(G[~is_fixed], h[~is_fixed])
     return found
 
 
 def _shortest(G: Array, h: Array) -> Array:
-    """Find the shortest y where ``G y >= h``."""
-    if not np.any(h > 0.0):
+    """Find the shortest y where ``G y >= h``; no row of G is 0."""
+    norms = np.linalg.norm(G, axis=1)
+    least = float(np.max(h / norms, initial=0.0))  # y is no shorter: a unit of its size
+    if not least:
         return np.zeros(G.shape[1])
-    scale = np.maximum(np.linalg.norm(G, axis=1), np.abs(h))
-    scale[scale == 0.0] = 1.0
+    h = h / least
+    scale = np.maximum(norms, np.abs(h))
     G, h = G / scale[:, np.newaxis], h / scale
     goal = np.append(np.zeros(G.shape[1]), 1.0)
     stacked = np.vstack([G.T, h])
-    weights, _ = nnls(stacked, goal, maxiter=30 * len(h) + 30)
+    try:
+        weights, _ = nnls(stacked, goal, maxiter=30 * len(h) + 30)
+    except RuntimeError:
+        raise MatlabError("'quadprog': its steps do not end: scale the constraints") from None
     rest = stacked @ weights - goal
     if rest @ rest < ROUNDING**2:
         raise MatlabError("'quadprog': nothing meets the constraints")
     y: Array = -rest[:-1] / rest[-1]
     active = weights > 0.0
     exact: Array = np.linalg.lstsq(G[active], h[active], rcond=None)[0]
-    return exact if np.max(h - G @ exact) <= max(np.max(h - G @ y), ROUNDING) else y
+    is_better = np.max(h - G @ exact) <= max(np.max(h - G @ y), ROUNDING)
+    return least * (exact if is_better else y)
 
 
 def _require_kept(at_most: tuple[Array, Array] | None, x: Array) -> None:

@@ -89,6 +89,26 @@ def test_what_has_no_one_minimum_is_refused(text, reason):
         value(text)
 
 
+@pytest.mark.parametrize("size", [1e-16, 1.0, 1e12, 1e20])
+def test_the_size_of_the_matrix_does_not_matter(size):
+    found = value(f"quadprog({size}*[2 1; 1 2], [0; 0], [-1 0; 0 -1], [-1e3; -2e3])")
+    assert found == pytest.approx((1e3, 2e3), rel=1e-12)
+
+
+def test_constraints_that_the_equations_decide_are_let_pass_or_refused(rng):
+    """They hold up to rounding, so that they tell no direction."""
+    for _ in range(20):
+        C, f = rng.normal(size=(2, 4)), rng.normal(size=4)
+        d = C @ rng.normal(size=4)
+        equal, same = (C, d), np.vstack([C, -C, C[:1] + C[1:]])
+        bounds = np.concatenate([d, -d, [d.sum()]])
+        assert least_quadratic(np.eye(4), f, (same, bounds), equal) == pytest.approx(
+            least_quadratic(np.eye(4), f, None, equal), abs=1e-9
+        )
+        with pytest.raises(MatlabError, match="nothing meets"):
+            least_quadratic(np.eye(4), f, (C[:1], d[:1] - 1e-3), equal)
+
+
 def test_where_only_one_point_is_left_it_is_the_minimum():
     assert least_quadratic(np.eye(1), np.ones(1), None, (np.eye(1), np.array([3.0]))) == [3.0]
     with pytest.raises(MatlabError, match="nothing meets"):
