@@ -173,7 +173,7 @@ class _Reader:
         name = re.split(r"[\\/]", text)[-1]
         if how == "load":
             return self._folders.file(f"{name.removesuffix('.mat')}.mat", beside)
-        return self._folders.code(name.removesuffix(".mlx").removesuffix(".m"), beside)
+        return self._folders.code(name, beside)
 
 
 def _fields(statements: tuple[syntax.Statement, ...]) -> Iterator[str]:

@@ -379,6 +379,27 @@ def test_variables_are_those_at_the_first_run_of_the_model(tmp_path):
     assert gain(path, init=[tmp_path / "main.m"])[0] == 24.0
 
 
+def test_a_model_is_run_by_its_name_alone_or_behind_the_prefix_of_a_copy(tmp_path):
+    (tmp_path / "main.m").write_text("L = 1;\nsim('leg');\nL = 2;")
+    for name, expected in (("leg", 10.0), ("12_leg", 10.0), ("bootleg", 20.0)):
+        path = one_gain("10*L").write(tmp_path / f"{name}.slx")
+        assert gain(path, init=[tmp_path / "main.m"])[0] == expected, name
+        path.unlink()
+    one_gain("1").write(tmp_path / "leg.slx")  # is another model
+    path = one_gain("10*L").write(tmp_path / "robot_leg.slx")
+    assert gain(path, init=[tmp_path / "main.m"])[0] == 20.0
+
+
+def test_a_script_that_has_the_name_of_a_model_runs_by_its_file(tmp_path):
+    (tmp_path / "m.m").write_text("L = 3;")
+    path = one_gain("10*L").write(tmp_path / "m.slx")
+    for how in ("run('m.m')", "run m.m", "run('scripts/m.m')"):
+        (tmp_path / "main.m").write_text(f"L = 1;\n{how};")
+        assert gain(path, init=[tmp_path / "main.m"])[0] == 30.0, how
+    (tmp_path / "main.m").write_text("L = 1;\nm;")  # opens the model
+    assert gain(path, init=[tmp_path / "main.m"])[0] == 10.0
+
+
 def test_a_script_that_fails_or_gives_nothing_is_passed_over(tmp_path, few_steps):
     (tmp_path / "endless.m").write_text("while true, m1 = 1; m2 = 2; end")
     (tmp_path / "missing.m").write_text("m1 = read_it(); m2 = m1;")

@@ -17,7 +17,7 @@ from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.parser import Parser
 from drake_leg.simulink.matlab.syntax import tokenize
 
-SCRIPTS = (".m", ".mlx")  # of two of the same name, the first is taken
+SCRIPTS = (".mlx", ".m")  # of two in one folder, the first is taken
 MODELS = (".slx", ".mdl")
 SCRIPT_BYTES = 5_000_000
 MOST_FILES = 50_000  # files and folders that are looked through
@@ -42,7 +42,7 @@ class Folders:
         self._places: dict[str, list[Path]] | None = None
         self._parsed: dict[Path, syntax.Script] = {}
         self._files: dict[Path, File] = {}
-        self._found: dict[tuple[str, Path | None], Path | None] = {}
+        self._found: dict[tuple[tuple[str, ...], Path | None], Path | None] = {}
 
     @property
     def all(self) -> tuple[Path, ...]:
@@ -71,22 +71,27 @@ class Folders:
 
     def file(self, name: str, beside: Path | None = None) -> Path | None:
         """Find a file by its bare name."""
-        if len(name) > _LONGEST or "\0" in name:
-            return None
-        if (name, beside) not in self._found:
-            self._found[name, beside] = self._looked_for(name, beside)
-        return self._found[name, beside]
+        return self._first((name,), beside)
 
     def code(self, name: str, beside: Path | None = None) -> Path | None:
-        """Find a script or function by its name, without the ending of its file."""
-        found = (self.file(f"{name}{ending}", beside) for ending in SCRIPTS)
-        return next((path for path in found if path is not None), None)
+        """Find a script or function by its name, with or without the ending of its file."""
+        if name.endswith(SCRIPTS):
+            return self.file(name, beside)
+        return self._first(tuple(f"{name}{ending}" for ending in SCRIPTS), beside)
 
-    def _looked_for(self, name: str, beside: Path | None) -> Path | None:
+    def _first(self, names: tuple[str, ...], beside: Path | None) -> Path | None:
+        if len(names[0]) > _LONGEST or "\0" in names[0]:
+            return None
+        if (names, beside) not in self._found:
+            self._found[names, beside] = self._looked_for(names, beside)
+        return self._found[names, beside]
+
+    def _looked_for(self, names: tuple[str, ...], beside: Path | None) -> Path | None:
         for folder in (beside, beside / "private" if beside else None, *self._near):
-            if folder is not None and _is_there(path := folder / name) and self._holds(path):
-                return path
-        found = self._named(name)
+            for path in (folder / name for name in names if folder is not None):
+                if _is_there(path) and self._holds(path):
+                    return path
+        found = [path for name in names for path in self._named(name)]
         home = self._home
         inside = home is not None and any(home.is_relative_to(root) for root in self._deep)
         start = beside or (home if inside else None)

@@ -315,9 +315,10 @@ def _add_path(self: Interpreter, words: Values, frame: Frame) -> None:
 
 def _run(self: Interpreter, words: Values, frame: Frame) -> None:
     name = str(words[0]) if words else ""
-    stem = re.split(r"[\\/]", name)[-1].removesuffix(".m").removesuffix(".mlx")
-    if not self.host.run_beside(stem, frame):
-        raise LackError(f"the script {name!r} is not in the given folders", names=(stem,))
+    file = re.split(r"[\\/]", name)[-1]
+    if not self.host.run_beside(file, frame):
+        lack = f"the script {name!r} is not in the given folders"
+        raise LackError(lack, names=(file.removesuffix(".m"),))
 
 
 def _symbols(self: Interpreter, words: Values, frame: Frame) -> None:

@@ -34,6 +34,7 @@ COMMANDS = frozenset(  # words whose rest of the line may be text, whatever sign
         "open",
         "pkg",
         "rmpath",
+        "run",
         "save",
         "syms",
         "warning",

@@ -293,7 +293,10 @@ class Workspace:
         return self._function(name, file.folder)
 
     def run_beside(self, name: str, frame: Frame) -> bool:
-        """Run the script of that name in a frame, if there is one; a model of it is not opened."""
+        """Run the script of that name in a frame, if there is one; a model of it is not opened.
+
+        A name with the ending of a script is not that of a model.
+        """
         if name == self.model or self.folders.has_model(name):
             self.skip(name, frame, NOT_RUN["open_system"])
             return True
@@ -350,8 +353,15 @@ class Workspace:
     def simulates(self, model: Any) -> None:  # noqa: ANN401
         """Note the variables that the model has where a script runs it for the first time."""
         stem = Path(model).stem if isinstance(model, str) else ""
-        if self._at_run is None and stem and self.model.endswith(stem):
+        if self._at_run is None and self._is_own(stem):
             self._at_run = dict(self.variables), dict(self.source)
+
+    def _is_own(self, stem: str) -> bool:
+        """Whether a name is that of the model, or what a renamed copy has behind a prefix."""
+        if not stem or not self.model.endswith(stem):
+            return False
+        before = self.model.removesuffix(stem)
+        return not before or (not before[-1].isalnum() and not self.folders.has_model(stem))
 
     def add_paths(self, words: Values) -> None:
         """Look for files in more folders, if they are inside the given ones."""

@@ -63,6 +63,17 @@ def test_a_live_script_is_given_called_and_suggested(tmp_path):
     assert suggested_init(read, lacks_of(read)).path.name == "setup.mlx"
 
 
+def test_a_live_script_comes_before_a_script_of_its_name_in_its_folder(tmp_path):
+    (tmp_path / "deeper").mkdir()
+    (tmp_path / "main.m").write_text("setup;")
+    (tmp_path / "setup.m").write_text("L = 1;")
+    live(tmp_path / "deeper" / "setup.mlx", ("code", "L = 3;"))
+    path = model(tmp_path, "L")
+    assert value(path, init=[tmp_path / "main.m"], paths=[tmp_path]) == 1.0
+    live(tmp_path / "setup.mlx", ("code", "L = 2;"))
+    assert value(path, init=[tmp_path / "main.m"]) == 2.0
+
+
 @pytest.mark.parametrize("damage", ["text", "empty"])
 def test_what_is_no_live_script_is_refused(tmp_path, damage):
     path = tmp_path / "s.mlx"
