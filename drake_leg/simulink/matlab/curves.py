@@ -17,7 +17,7 @@ from drake_leg.simulink.matlab.data import (
     of_values,
     settled,
 )
-from drake_leg.simulink.matlab.inputs import axis_of, whole
+from drake_leg.simulink.matlab.inputs import axis_of, scalar, whole
 from drake_leg.simulink.matlab.numeric import MatlabError, span
 
 # ruff: noqa: ANN401 - any value of a script
@@ -113,20 +113,22 @@ def _interp1(budget: Allowance, wanted: int, x: Any, y: Any, *rest: Any) -> Any:
     """Values between points: of one curve, in the shape of the places, or of each column."""
     if not rest or isinstance(rest[0], str):
         x, y, rest = numbers_of(span(1.0, 1.0, float(len(_curves(x))), budget.room)), x, (y, *rest)
-    at, options = numbers_of(rest[0]), [str(option) for option in rest[1:]]
-    kinds = [option for option in options if option != "extrap"] or ["linear"]
+    at, options = numbers_of(rest[0]), list(rest[1:])
+    outside = None if not options or isinstance(options[-1], str) else scalar(options.pop())
+    kinds = [str(option) for option in options if option != "extrap"] or ["linear"]
     rule = _RULES.get(kinds[0].lower())
-    if rule is None or len(options) - options.count("extrap") > 1:
+    if rule is None or len(kinds) > 1:
         raise LackError(f"interp1 by {', '.join(map(repr, kinds))} is not known here")
     places, curves = numbers_of(x).ravel(), _curves(y)
     order = np.argsort(places, kind="stable")
     if places.size < 2 or len(curves) != places.size or np.any(np.diff(places[order]) == 0.0):
         raise MatlabError("interp1 needs two points at least, all at different places")
     budget.work(float(at.size) * curves.shape[1])
-    beyond = "extrap" in options or kinds[0].lower() in _EXTENDED
+    beyond = "extrap" in options or (kinds[0].lower() in _EXTENDED and outside is None)
     inside = (at.ravel() >= places.min()) & (at.ravel() <= places.max())
+    fill = np.nan if outside is None else outside
     found = [
-        np.where(beyond | inside, rule(places[order], curve[order], at.ravel()), np.nan)
+        np.where(beyond | inside, rule(places[order], curve[order], at.ravel()), fill)
         for curve in curves.T
     ]
     return settled(np.column_stack(found) if len(found) > 1 else found[0].reshape(at.shape))
@@ -158,7 +160,22 @@ def _by(curve: Callable[..., Any]) -> Callable[..., Any]:
     return lambda x, y, at: numbers_of(curve(x[None, :], y[None, :], at[None, :])).ravel()
 
 
-_EXTENDED = ("spline", "pchip", "cubic")  # which go on beyond their ends
+def _convolved(x: NDArray[np.float64], y: NDArray[np.float64], at: NDArray[np.float64]) -> Any:
+    """Cubic convolution, as 'cubic' is since R2020b; a spline where distances differ.
+
+    By R. Keys: Cubic convolution interpolation for digital image processing, IEEE Trans. Acoustics,
+    Speech, and Signal Processing 29 (1981).
+    """
+    from scipy.interpolate import CubicHermiteSpline
+
+    if x.size < 3 or np.ptp(np.diff(x)) > 1e-9 * abs(x[-1] - x[0]):
+        return _by(_spline)(x, y, at)
+    before, after = 3.0 * (y[0] - y[1]) + y[2], 3.0 * (y[-1] - y[-2]) + y[-3]
+    around = np.concatenate([[before], y, [after]])
+    return CubicHermiteSpline(x, y, (around[2:] - around[:-2]) / (x[2:] - x[:-2])[0])(at)
+
+
+_EXTENDED = ("spline", "pchip")  # which go on beyond their ends
 _RULES: dict[str, Callable[..., Any]] = {
     "linear": _lines,
     "nearest": _steps(0.5),
@@ -166,7 +183,7 @@ _RULES: dict[str, Callable[..., Any]] = {
     "next": _steps(float(np.nextafter(0.0, 1.0))),
     "spline": _by(_spline),
     "pchip": _by(_pchip),
-    "cubic": _by(_pchip),
+    "cubic": _convolved,
 }
 
 
