@@ -66,7 +66,7 @@ _PARTS = {
     "Inertia": "mass and inertia of a body",
     "File Solid": "a body of given mass, or that of an STL file; its shape is shown by trimesh",
     "Solid": "as Brick, Cylindrical, Spherical, Ellipsoidal, Extruded, Revolved, File Solid",
-    "Weld Joint": "two frames of one body",
+    "Weld Joint": "two frames of one body; one that senses is a fixed joint",
     "Lead Screw Joint": "a screw joint along z",
     "6-DOF Joint": "a floating base; between connected bodies a sensor",
 }
@@ -101,6 +101,7 @@ _SENSES = "senses"
 _MOVES = "moves: springs, dampers, limits, inputs, sensing"
 _IN_MOTION = {
     "Transform Sensor": _SENSES,
+    "Inertia Sensor": "senses; principal moments ascend",
     "Spatial Contact Force": "acts, with friction; senses",
     **dict.fromkeys(LIBRARIES["Contact_Forces_Lib"], "acts, with friction; puts out its bus"),
     "External Force and Torque": _ACTS,
@@ -123,7 +124,7 @@ _IN_MOTION = {
     "Angle Constraint": _HOLDS,
     "Point on Curve Constraint": _HOLDS,
     "Spline": "a curve for points",
-    "Weld Joint": "–",
+    "Weld Joint": "senses what it carries, where nothing else holds its frames together",
     "Lead Screw Joint": "moves: sensing",
     "6-DOF Joint": f"{_MOVES}; between connected bodies it senses, and acts where it has springs",
 }

@@ -67,10 +67,10 @@ def read_graph(model: Model, flat: Model) -> ModelGraph:
     InvalidValueError
         That lists all that is missing for a mechanism.
     """
-    mechanism = read_mechanism(model)
+    mechanism = read_mechanism(model, apart=False)
     sensors = _mistaken(mechanism)
     if sensors:
-        mechanism = read_mechanism(model, sensors)
+        mechanism = read_mechanism(model, sensors, apart=False)
     return _Reading(mechanism, flat).graph()
 
 

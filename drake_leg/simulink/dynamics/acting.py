@@ -14,6 +14,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.applied import Applied, LawOfContact
 from drake_leg.simulink.dynamics.coordinates import Axis, coordinates_of
 from drake_leg.simulink.dynamics.crossing import Crossing, sensed_of_crossing
+from drake_leg.simulink.dynamics.inertia_sensing import InertiaSensor
 from drake_leg.simulink.dynamics.joints import Joints
 from drake_leg.simulink.dynamics.masses import rotors
 from drake_leg.simulink.dynamics.moment import Moment, Place, Places
@@ -84,6 +85,13 @@ class Acting:
             kind: tuple(names) for kind, names in self.applied.left_out.items()
         }
         self._wired = {port for node in self.network.signals for port in node}
+        self.problems += [
+            f"the block {block.name!r} (SID {block.sid}) takes its mode from an input, which does "
+            "not run: set its mode to Normal"
+            for block in self.network.blocks.values()
+            if block.kind.endswith("Joint")
+            and block.parameters.get("JointMode") == "ProvidedByInput"
+        ]
         self._add_sensing()
 
     def _attempt(self, otherwise: Array, work: Callable[..., Array]) -> Array:
@@ -195,7 +203,8 @@ class Acting:
                 yield from sensed_of_ball(self.joints, coordinate, own)
         for joint in self.tree.joints:
             own_ones = [each for each in self.coordinates if each.joint is joint]
-            found = list(sensed_of_crossing(joint, own_ones, crossing, ports[joint.block.sid]))
+            own = ports.setdefault(joint.block.sid, Ports(joint.block))
+            found = list(sensed_of_crossing(joint, own_ones, crossing, own))
             self._carries = self._carries or bool(found)
             yield from found
         for joint in self.mechanism.sensors:
@@ -205,6 +214,8 @@ class Acting:
         for block in self.network.blocks.values():
             if block.kind == "Transform Sensor" and block.source.startswith("sm_lib/"):
                 yield from self._of_transform_sensor(block)
+            if block.kind == "Inertia Sensor" and block.sid in self.network.sensed:
+                yield from self._of_inertia_sensor(block)
         yield from self.applied.quantities
 
     def _of_transform_sensor(self, block: Block) -> list[Quantity]:
@@ -223,6 +234,14 @@ class Acting:
         except InvalidValueError as error:
             self.problems.append(str(error))
             return []
+
+    def _of_inertia_sensor(self, block: Block) -> list[Quantity]:
+        try:
+            sensor = InertiaSensor(block, self.network, self.mechanism, self._places)
+        except InvalidValueError as error:
+            self.problems.append(str(error))
+            return []
+        return list(sensor.quantities())
 
     def _wrenches(self, u: Array, multipliers: Array) -> Mapping[int, Array]:
         """Return the wrenches of forces and constraints on bodies."""

@@ -123,17 +123,18 @@ def mechanism_of(model: Model) -> Mechanism:
     return mechanism
 
 
-def read_mechanism(model: Model, sensors: Container[str] = ()) -> Mechanism:
+def read_mechanism(model: Model, sensors: Container[str] = (), *, apart: bool = True) -> Mechanism:
     """Find the bodies and joints of a model, possible or not; it may have none.
 
-    ``sensors`` are SIDs of joints that only measure, which are kept out of the tree.
+    ``sensors`` are SIDs of joints that only measure, which are kept out of the tree. A weld that
+    senses what it carries is a joint, unless welds are not kept ``apart``.
 
     Raises
     ------
     InvalidValueError
         That lists all that is missing: values, kinds of blocks.
     """
-    return _Tree(connections_of(model), Names(model), sensors).mechanism(model.name)
+    return _Tree(connections_of(model, apart=apart), Names(model), sensors).mechanism(model.name)
 
 
 def _impossible(body: Body) -> str:
@@ -210,7 +211,9 @@ def _piece(
 
 
 def _rank(joint: Jointed) -> int:
-    """Order in which joints become part of the tree: driven ones first, free ones last."""
+    """Order in which joints become part of the tree: welds first, free ones last."""
+    if not joint.primitives:
+        return -1
     if joint.block.kind == FREE:
         return 4
     if joint.block.kind == "Bushing Joint":

@@ -5,17 +5,18 @@ All that is missing for a mechanism is collected, and raised at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
+from scipy.cluster.hierarchy import DisjointSet
 
 from drake_leg.errors import InvalidValueError, MissingThingsError
 from drake_leg.simulink.catalogue import JOINTS
 from drake_leg.simulink.mechanism import SOLIDS as OF_MASS
 from drake_leg.simulink.mechanism import Frame, PhysicalNetwork, network_of, rigid_transform
-from drake_leg.simulink.model import Block, Model, vector
+from drake_leg.simulink.model import Block, Model, is_on, vector
 from drake_leg.simulink.multibody.joints import Primitive, primitives_of
 from drake_leg.simulink.multibody.mass import Array, MassProperties
 from drake_leg.simulink.multibody.solids import GEOMETRIES, NO_MASS, REFERENCE, Solid
@@ -78,8 +79,11 @@ class Connections:
     left_out: Mapping[str, tuple[str, ...]]  # forces and constraints: kind of block -> names
 
 
-def connections_of(model: Model) -> Connections:
+def connections_of(model: Model, *, apart: bool = True) -> Connections:
     """Read what connects the frames of a model.
+
+    A weld that senses what it carries is a joint, where nothing else holds its frames together;
+    all welds are rigid where it is not ``apart``.
 
     Raises
     ------
@@ -89,13 +93,48 @@ def connections_of(model: Model) -> Connections:
     reading = _Reading(model)
     connections = reading.connections()
     refuse(reading.problems)
-    return connections
+    return _with_welds_apart(connections, reading.sensed) if apart else connections
 
 
 def refuse(problems: Sequence[str], goal: str = "a mechanism") -> None:
     """Raise all problems in one error, if there are any."""
     if problems:
         raise MissingThingsError(problems, goal)
+
+
+def _with_welds_apart(connections: Connections, sensed: Container[str]) -> Connections:
+    """Make joints of welds that sense, each where it alone holds its frames together."""
+    joints: dict[Rigid, Jointed] = {}
+    for edge in connections.rigid:
+        block = edge.block
+        if block and block.sid in sensed and _senses(block) and _alone(edge, connections.rigid):
+            joints[edge] = Jointed(
+                block=block, primitives=(), base=edge.base, follower=edge.follower
+            )
+    return replace(
+        connections,
+        rigid=tuple(edge for edge in connections.rigid if edge not in joints),
+        joints=(*connections.joints, *joints.values()),
+    )
+
+
+def _senses(block: Block) -> bool:
+    return block.kind == "Weld Joint" and any(
+        is_on(block, name) for name in block.parameters if name.startswith("Sense")
+    )
+
+
+def _alone(weld: Rigid, edges: Iterable[Rigid]) -> bool:
+    """Tell whether nothing else holds the frames of a weld together."""
+    groups: DisjointSet[Frame] = DisjointSet()
+    for frame in (weld.base, weld.follower):
+        groups.add(frame)
+    for edge in edges:
+        if edge is not weld:
+            groups.add(edge.base)
+            groups.add(edge.follower)
+            groups.merge(edge.base, edge.follower)
+    return not groups.connected(weld.base, weld.follower)
 
 
 class _Reading:
@@ -106,6 +145,11 @@ class _Reading:
         self._network: PhysicalNetwork = network_of(flat)
         self._problems: dict[str, None] = {}
         self._mechanical = self._at_frames()
+
+    @property
+    def sensed(self) -> frozenset[str]:
+        """The blocks that signals reach or leave, by SID."""
+        return self._network.sensed
 
     @property
     def problems(self) -> tuple[str, ...]:
@@ -177,13 +221,18 @@ class _Reading:
         X_BF = np.eye(4)
         if block.kind == "Rigid Transform":
             X_BF = self._attempt(X_BF, rigid_transform, block)
+        else:
+            self._primitives(block)
         return Rigid(base=base, follower=follower, X_BF=X_BF, block=block)
 
     def _joint(self, block: Block) -> Jointed:
         base, follower = self._network.ends(block)
-        none: tuple[Primitive, ...] = ()
-        primitives = self._attempt(none, primitives_of, block)
+        primitives = self._primitives(block)
         return Jointed(block=block, primitives=primitives, base=base, follower=follower)
+
+    def _primitives(self, block: Block) -> tuple[Primitive, ...]:
+        none: tuple[Primitive, ...] = ()
+        return self._attempt(none, primitives_of, block)
 
     def _at_solid(self, solid: Solid) -> list[Rigid]:
         """Connect the frames at a solid's ports with its reference frame."""

@@ -82,6 +82,8 @@ def primitives_of(block: Block) -> tuple[Primitive, ...]:
     InvalidValueError
         If the joint is of a kind without them, or a value is not known.
     """
+    if block.parameters.get("JointMode") == "Disengaged":
+        raise invalid_parameter(block, "JointMode", "it must be Normal")
     if block.kind == "Weld Joint":
         return ()
     if block.kind == "Lead Screw Joint":

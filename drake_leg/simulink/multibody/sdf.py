@@ -105,6 +105,9 @@ class _Writer:
         if floats(self._mechanism, joint):
             self._add_link(names[child], self._mechanism.bodies[child], X_PB)
             return
+        if not joint.primitives:
+            self._add_link(names[child], self._mechanism.bodies[child], X_PB, before)
+            self._add_joint_between(joint.name, "fixed", before, names[child])
         simple = list(zip(joint_names(joint), outward(joint), strict=True))
         for place, (name, (primitive, sign)) in enumerate(simple):
             last = place == len(simple) - 1
