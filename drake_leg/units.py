@@ -14,7 +14,7 @@ from drake_leg.arguments import is_number, shown
 from drake_leg.errors import InvalidValueError
 
 AngleUnit = Literal["deg", "rad"]
-Powers = tuple[int, int, int, int]  # of kg, m, s, rad
+Powers = tuple[int, int, int, int, int, int]  # of kg, m, s, rad, A, K
 
 _LONGEST = 60  # characters of a unit
 _WORDS = re.compile(r"[A-Za-z_]+|\d+|[*/^()-]")
@@ -35,11 +35,25 @@ AT_LIMIT = 1e-6
 
 # --- units and their values in SI ------------------------------------------------------------
 
-_MASS, _LENGTH, _TIME, _ANGLE = (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)
-_RATE, _FREQUENCY = (0, 0, -1, 1), (0, 0, -1, 0)
-_SPEED, _ACCELERATION = (0, 1, -1, 0), (0, 1, -2, 0)
-_FORCE, _PRESSURE = (1, 1, -2, 0), (1, -1, -2, 0)
-_ENERGY, _POWER = (1, 2, -2, 0), (1, 2, -3, 0)
+_BASE = ("kg", "m", "s", "rad", "A", "K")
+
+
+def _of(
+    kg: int = 0, m: int = 0, s: int = 0, rad: int = 0, ampere: int = 0, kelvin: int = 0
+) -> Powers:
+    return kg, m, s, rad, ampere, kelvin
+
+
+_MASS, _LENGTH, _TIME, _ANGLE = _of(1), _of(0, 1), _of(0, 0, 1), _of(0, 0, 0, 1)
+_CURRENT, _TEMPERATURE = _of(ampere=1), _of(kelvin=1)
+_RATE, _FREQUENCY = _of(s=-1, rad=1), _of(s=-1)
+_SPEED, _ACCELERATION = _of(m=1, s=-1), _of(m=1, s=-2)
+_FORCE, _PRESSURE = _of(1, 1, -2), _of(1, -1, -2)
+_ENERGY, _POWER = _of(1, 2, -2), _of(1, 2, -3)
+_VOLTAGE, _RESISTANCE = _of(1, 2, -3, ampere=-1), _of(1, 2, -3, ampere=-2)
+_CONDUCTANCE = _of(-1, -2, 3, ampere=2)
+_INDUCTANCE, _CAPACITANCE = _of(1, 2, -2, ampere=-2), _of(-1, -2, 4, ampere=2)
+_CHARGE, _VOLUME, _FLOW = _of(s=1, ampere=1), _of(m=3), _of(m=3, s=-1)
 
 _ATOMS: dict[str, tuple[Fraction | int, Powers]] = {
     "kg": (1, _MASS),
@@ -93,10 +107,37 @@ _ATOMS: dict[str, tuple[Fraction | int, Powers]] = {
     "W": (1, _POWER),
     "kW": (1000, _POWER),
     "mW": (Fraction("1e-3"), _POWER),
+    "A": (1, _CURRENT),
+    "mA": (Fraction("1e-3"), _CURRENT),
+    "uA": (Fraction("1e-6"), _CURRENT),
+    "kA": (1000, _CURRENT),
+    "V": (1, _VOLTAGE),
+    "mV": (Fraction("1e-3"), _VOLTAGE),
+    "kV": (1000, _VOLTAGE),
+    "Ohm": (1, _RESISTANCE),
+    "mOhm": (Fraction("1e-3"), _RESISTANCE),
+    "kOhm": (1000, _RESISTANCE),
+    "MOhm": (10**6, _RESISTANCE),
+    "S": (1, _CONDUCTANCE),
+    "mS": (Fraction("1e-3"), _CONDUCTANCE),
+    "uS": (Fraction("1e-6"), _CONDUCTANCE),
+    "H": (1, _INDUCTANCE),
+    "mH": (Fraction("1e-3"), _INDUCTANCE),
+    "uH": (Fraction("1e-6"), _INDUCTANCE),
+    "nH": (Fraction("1e-9"), _INDUCTANCE),
+    "F": (1, _CAPACITANCE),
+    "mF": (Fraction("1e-3"), _CAPACITANCE),
+    "uF": (Fraction("1e-6"), _CAPACITANCE),
+    "nF": (Fraction("1e-9"), _CAPACITANCE),
+    "pF": (Fraction("1e-12"), _CAPACITANCE),
+    "c": (1, _CHARGE),
+    "K": (1, _TEMPERATURE),
+    "l": (Fraction("1e-3"), _VOLUME),
+    "lpm": (Fraction(1, 60_000), _FLOW),
 }
 
 _SI_NAMES: dict[Powers, str] = {
-    (0, 0, 0, 0): "1",
+    _of(0, 0, 0, 0): "1",
     _MASS: "kg",
     _LENGTH: "m",
     _TIME: "s",
@@ -104,21 +145,30 @@ _SI_NAMES: dict[Powers, str] = {
     _SPEED: "m/s",
     _ACCELERATION: "m/s^2",
     _RATE: "rad/s",
-    (0, 0, -2, 1): "rad/s^2",
+    _of(0, 0, -2, 1): "rad/s^2",
     _FORCE: "N",
     _PRESSURE: "Pa",
     _POWER: "W",
     _ENERGY: "N*m",
-    (1, 0, -2, 0): "N/m",
-    (1, 0, -1, 0): "N*s/m",
-    (1, 2, -2, -1): "N*m/rad",
-    (1, 2, -1, -1): "N*m*s/rad",
-    (1, -3, 0, 0): "kg/m^3",
-    (1, 2, 0, 0): "kg*m^2",
-    (1, 3, -2, 0): "N*m^2",
-    (0, 2, 0, 0): "m^2",
-    (0, 1, 0, -1): "m/rad",
+    _of(1, 0, -2, 0): "N/m",
+    _of(1, 0, -1, 0): "N*s/m",
+    _of(1, 2, -2, -1): "N*m/rad",
+    _of(1, 2, -1, -1): "N*m*s/rad",
+    _of(1, -3, 0, 0): "kg/m^3",
+    _of(1, 2, 0, 0): "kg*m^2",
+    _of(1, 3, -2, 0): "N*m^2",
+    _of(0, 2, 0, 0): "m^2",
+    _of(0, 1, 0, -1): "m/rad",
     _FREQUENCY: "1/s",
+    _CURRENT: "A",
+    _TEMPERATURE: "K",
+    _VOLTAGE: "V",
+    _RESISTANCE: "Ohm",
+    _CONDUCTANCE: "S",
+    _INDUCTANCE: "H",
+    _CAPACITANCE: "F",
+    _VOLUME: "m^3",
+    _FLOW: "m^3/s",
 }
 
 
@@ -134,13 +184,17 @@ class Unit:
         """Name of the SI unit of the same quantity."""
         return _SI_NAMES.get(self.powers) or "*".join(
             f"{name}^{power}" if power != 1 else name
-            for name, power in zip(("kg", "m", "s", "rad"), self.powers, strict=True)
+            for name, power in zip(_BASE, self.powers, strict=True)
             if power
         )
 
     def is_like(self, other: Unit) -> bool:
         """Whether both measure the same; radians do not count, as in Simscape."""
-        return self.powers[:3] == other.powers[:3]
+        return self._without_radians == other._without_radians
+
+    @property
+    def _without_radians(self) -> Powers:
+        return (*self.powers[:3], 0, *self.powers[4:])
 
     def in_si(self, value: float) -> float:
         """Convert a value of this unit to SI, rounded once."""
@@ -153,13 +207,12 @@ class Unit:
 
     def times(self, other: Unit, exponent: int) -> Unit:
         """Multiply by a power of another unit."""
-        kg, m, s, rad = (
-            mine + exponent * theirs for mine, theirs in zip(self.powers, other.powers, strict=True)
-        )
-        return Unit(factor=self.factor * other.factor**exponent, powers=(kg, m, s, rad))
+        both = zip(self.powers, other.powers, strict=True)
+        powers = _of(*(mine + exponent * theirs for mine, theirs in both))
+        return Unit(factor=self.factor * other.factor**exponent, powers=powers)
 
 
-_ONE = Unit(factor=Fraction(1), powers=(0, 0, 0, 0))
+_ONE = Unit(factor=Fraction(1), powers=_of())
 
 
 @lru_cache(maxsize=1024)

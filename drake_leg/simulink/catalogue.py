@@ -561,8 +561,11 @@ Mechanical Translational Reference, Gear Box, Lever, Wheel and Axle, Rotational 
 Interface, Translational Multibody Interface, Electrical Reference, Resistor, Capacitor,
 Inductor, DC Voltage Source, Controlled Voltage Source, Controlled Current Source, Current
 Sensor, Voltage Sensor, Rotational Electromechanical Converter, Translational Electromechanical
-Converter
+Converter, Open Circuit, Diode, Switch, DC Current Source, AC Voltage Source, AC Current Source,
+Ideal Transformer, Gyrator
 """
+_ELECTRICAL = without_table("Resistor, Capacitor, Inductor, DC Motor, Voltage Source")
+_DRIVELINE = without_table("Rotational Damper, Simple Gear")
 
 _SIMULINK |= without_table(_SIMULINK_WITHOUT_TABLE)
 
@@ -600,6 +603,9 @@ LIBRARIES: dict[str, dict[str, Parameters]] = {
     "nesl_utility_internal": _UTILITIES,
     "fl_lib": without_table(_FOUNDATION_WITHOUT_TABLE),
     "fl_ps_legacy_lib": without_table(_FOUNDATION_WITHOUT_TABLE),  # of releases until R2018
+    "ee_lib": _ELECTRICAL,
+    "elec_lib": _ELECTRICAL,
+    "sdl_lib": _DRIVELINE,
     "simulink": _SIMULINK,
     "slpidlib": _SIMULINK,
     "simulink_extras": _SIMULINK,

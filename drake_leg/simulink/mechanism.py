@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block, Model, invalid_parameter, number, split_port, vector
+from drake_leg.simulink.networks.ports import layout_of
 
 Array = NDArray[np.float64]
 
@@ -371,6 +372,9 @@ def _is_signal(block: Block) -> bool:
 def _has_signal(port: str, blocks: Mapping[str, Block]) -> bool:
     sid, _, number = split_port(port)
     block = blocks[sid]
+    layout = layout_of(block)
+    if layout is not None:
+        return port.partition("#")[2] in layout.signals
     two_frames = block.kind.endswith("Joint") or block.kind in _SENSING
     return _is_signal(block) or (two_frames and number > (2 if block.kind == "Pulley" else 1))
 
@@ -400,9 +404,9 @@ def _has_geometry(port: str, blocks: Mapping[str, Block]) -> bool:
 def _puts_out(port: str, blocks: Mapping[str, Block]) -> bool:
     """Whether a signal comes out of a port: right ports do so, except a converter's."""
     sid, side, _ = split_port(port)
-    kind = blocks[sid].kind
-    if kind in ("Ideal Force Source", "Ideal Torque Source"):
-        return False
+    kind, layout = blocks[sid].kind, layout_of(blocks[sid])
+    if layout is not None:
+        return port.partition("#")[2] in layout.outputs.values()
     return kind == TO_PHYSICAL or (side == "rconn" and kind != TO_SIGNAL)
 
 

@@ -10,7 +10,7 @@ from functools import cached_property
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
 from drake_leg.simulink.model import Block, Model, Parameters, split_port
-from drake_leg.simulink.running.one_dimensional import parts_in_one_dimension
+from drake_leg.simulink.networks.reading import Part, networks_of
 from drake_leg.simulink.wiring import flatten
 
 GATES = ("EnablePort", "TriggerPort", "ActionPort")
@@ -32,6 +32,8 @@ class Node:
     read: frozenset[str] = frozenset()  # outputs that something reads
     systems: tuple[Block, ...] = ()  # around it, that have sample times, innermost first
     feeds_motion: bool = False  # whether the derivatives of what it puts out are asked for
+    part: Part | None = None  # of a network of one dimension
+    poles: tuple[complex, ...] = ()  # of the network whose first part it is [1/s]
 
     @property
     def sid(self) -> str:
@@ -126,7 +128,7 @@ class _Reading:
 
     def network(self) -> SignalNetwork:
         nodes = {sid: self._node(self._blocks[sid]) for sid in self._blocks if self._has(sid)}
-        nodes |= {node.sid: node for node in self._in_one_dimension()}
+        nodes |= {node.sid: node for node in self._in_networks()}
         commands = {
             target: source
             for target, source in self._drivers.items()
@@ -144,17 +146,24 @@ class _Reading:
             folders=None if variables is None else variables.workspace.folders,
         )
 
-    def _in_one_dimension(self) -> Iterator[Node]:
-        for block, inputs, outputs in parts_in_one_dimension(
-            self._blocks, self._flat.nodes, self._drivers
-        ):
-            yield Node(
-                block=block,
-                inputs=inputs,
-                names=("",) * len(inputs),
-                outputs=outputs,
-                read=frozenset(outputs),
-            )
+    def _in_networks(self) -> Iterator[Node]:
+        """Yield the blocks of networks of one dimension; those that nothing senses do not run."""
+        for network in networks_of(self._blocks, self._flat.nodes, self._drivers):
+            given = {port for part in network.parts for port in part.gives}
+            if not given & self._read:
+                continue
+            poles = network.poles
+            for part in network.parts:
+                yield Node(
+                    block=part.block,
+                    inputs=part.inputs,
+                    names=("",) * len(part.inputs),
+                    outputs=part.gives,
+                    read=frozenset(part.gives),
+                    part=part,
+                    poles=poles,
+                )
+                poles = ()
 
     def _has(self, sid: str) -> bool:
         block = self._blocks[sid]

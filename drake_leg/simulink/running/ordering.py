@@ -27,7 +27,7 @@ class AlgebraicLoop:
     blocks: tuple[Block, ...]  # in the order of the file
     order: tuple[str, ...]  # their SIDs as they run, once the unknowns are known
     torn: tuple[str, ...]  # ports whose values are the unknowns
-    is_constrained: bool  # whether an Algebraic Constraint asks for the solution
+    is_constrained: bool  # whether an Algebraic Constraint or a physical network asks for it
     is_open: bool  # whether the unknowns leave an order
 
     @property
@@ -138,7 +138,7 @@ def _loop(
         blocks=tuple(blocks.values()),
         order=tuple(order),
         torn=(*given, *(port for port in torn if port is not None)),
-        is_constrained=bool(given),
+        is_constrained=bool(given) or all(nodes[sid][0].part is not None for sid in sids),
         is_open=None not in torn,
     )
 

@@ -87,7 +87,7 @@ def kinds_of_blocks() -> dict[str, Kind]:
         gates,
         logic,
         maths,
-        one_dimensional,
+        networks,
         physical,
         replacements,
         routing,

@@ -60,7 +60,8 @@ def to_physical(w: Writer) -> None:
     dots = [zero, zero]
     for place in range(min(max(given, w.count - 1), 2)):
         dots[place] = w.let(_scaled(w.numeric(place + 1).code, factor, 0.0), "rate").code
-    if w.node.outputs:
+    is_told = how == "zero" or w.node.feeds_motion or given > 0 or w.count > 1
+    if w.node.outputs and is_told:
         w.pen.dots[w.node.outputs[0]] = (dots[0], dots[1])
 
 

@@ -5,8 +5,6 @@ import pytest
 from rigs import Rig, shown
 from scipy.integrate import solve_ivp
 
-from drake_leg.errors import InvalidValueError
-
 ELEMENTS = "fl_lib/Mechanical/Translational Elements/"
 TURNING = "fl_lib/Mechanical/Rotational Elements/"
 
@@ -83,11 +81,14 @@ def test_a_mass_on_a_spring_follows_its_equation(tmp_path, kinds, source, sensor
     np.testing.assert_allclose(shown(run, "speed"), found.y[1], atol=1e-6)
 
 
-def test_a_connection_without_a_mass_is_not_computed(tmp_path):
+def test_a_connection_without_a_mass_follows_what_pulls_it(tmp_path):
+    """1000 x + 100 x' = 2."""
     rig = shaken(LINE, "Ideal Force Source", "Ideal Translational Motion Sensor")
     rig.remove("Mass")
-    with pytest.raises(InvalidValueError, match=r"'senses' .*rconn:2 is not computed here"):
-        rig.run(tmp_path, 0.1)
+    run = rig.run(tmp_path, 0.5)
+    np.testing.assert_allclose(
+        shown(run, "place"), -0.002 * np.expm1(-10.0 * run.time), atol=1e-10
+    )
 
 
 def test_a_sensor_of_absolute_position_alone_has_one_connection(tmp_path):

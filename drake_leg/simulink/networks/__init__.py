@@ -1,0 +1,1 @@
+"""Networks of one dimension, mechanical and electrical: their blocks, equations and states."""
