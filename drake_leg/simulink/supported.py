@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from drake_leg.simulink.catalogue import (
     BUILT_IN,
@@ -18,6 +18,9 @@ from drake_leg.simulink.catalogue import (
 )
 from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES, PLACES, SOLIDS
 from drake_leg.simulink.multibody.joints import SINGLE
+from drake_leg.simulink.networks import electrical, mechanical  # noqa: F401 - they fill KINDS
+from drake_leg.simulink.networks.assembly import KINDS as ELEMENTS
+from drake_leg.simulink.networks.ports import LIBRARIES as NETWORKS
 from drake_leg.simulink.running.kinds import kinds_of_blocks
 
 HEAD = """# Blocks of Simulink and Simscape
@@ -143,12 +146,18 @@ def in_motion(kind: str) -> str:
     return "touches" if kind in _TOUCHING else "–"
 
 
-def in_a_run(kind: str) -> str:
-    """Say what a kind of block of signals does in a run; "–" where it does not run."""
+def in_a_run(kind: str, *, in_network: bool = False) -> str:
+    """Say what a kind of block does in a run, by itself or in a network of one dimension.
+
+    It is "–" where it does not run.
+    """
+    work: Callable[..., None] | None = ELEMENTS.get(kind) if in_network else None
     found = kinds_of_blocks().get(kind)
-    if found is None:
+    if work is None and found is not None:
+        work = found.write
+    if work is None:
         return _AROUND.get(kind, "–")
-    said = (found.write.__doc__ or "").partition("\n")[0].rstrip(".")
+    said = (work.__doc__ or "").partition("\n")[0].rstrip(".")
     return f"{said[0].lower()}{said[1:]}" if said else "runs"
 
 
@@ -161,10 +170,13 @@ def page() -> str:
         ("Masked blocks of Simulink", "simulink"),
         ("Simscape utilities", "nesl_utility"),
         ("Simscape Foundation", "fl_lib"),
+        ("Simscape Electrical", "ee_lib"),
+        ("Simscape Driveline", "sdl_lib"),
         ("Robotics System Toolbox", "robotcorelib"),
         ("Control System Toolbox", "cstblocks"),
     ):
-        lines += [f"\n## {title}\n", *_table(_OF_SIGNALS, _rows(LIBRARIES[library]))]
+        rows = _rows(LIBRARIES[library], in_network=library in NETWORKS)
+        lines += [f"\n## {title}\n", *_table(_OF_SIGNALS, rows)]
     return "\n".join(lines) + "\n"
 
 
@@ -180,10 +192,10 @@ def _forces_of_contact() -> Iterator[tuple[str, ...]]:
 
 
 def _rows(
-    kinds: dict[str, Parameters], others: frozenset[str] = frozenset()
+    kinds: dict[str, Parameters], others: frozenset[str] = frozenset(), *, in_network: bool = False
 ) -> Iterator[tuple[str, ...]]:
     for kind in sorted({*kinds, *others}, key=str.lower):
-        yield kind, _count(kinds.get(kind, ())), in_a_run(kind)
+        yield kind, _count(kinds.get(kind, ())), in_a_run(kind, in_network=in_network)
 
 
 def _count(parameters: Parameters) -> str:

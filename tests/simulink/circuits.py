@@ -48,7 +48,9 @@ class Circuit(Rig):
     def given(self, folder: str, kind: str, name: str, left: str, right: str, signal: str) -> str:
         """Add a source that a signal of Simulink drives."""
         sid = self.part(folder, kind, name, {"lconn:1": left, "rconn:2": right})
-        enters = self.add_library("nesl_utility/Simulink-PS Converter", f"to {name}", ports={"in": 1})
+        enters = self.add_library(
+            "nesl_utility/Simulink-PS Converter", f"to {name}", ports={"in": 1}
+        )
         self.connect(signal, enters)
         self.physical(f"{enters}#rconn:1", f"{sid}#rconn:1")
         return sid

@@ -16,7 +16,7 @@ from drake_leg.simulink.dynamics.coordinates import Axis, coordinates_of
 from drake_leg.simulink.dynamics.crossing import Crossing, sensed_of_crossing
 from drake_leg.simulink.dynamics.inertia_sensing import InertiaSensor
 from drake_leg.simulink.dynamics.joints import Joints
-from drake_leg.simulink.dynamics.masses import rotors
+from drake_leg.simulink.dynamics.masses import reflect, rotors
 from drake_leg.simulink.dynamics.moment import Moment, Place, Places
 from drake_leg.simulink.dynamics.opening import opened, with_acting
 from drake_leg.simulink.dynamics.ports import Layout
@@ -37,6 +37,7 @@ from drake_leg.simulink.multibody.bodies import Mechanism
 from drake_leg.simulink.multibody.mass import Array
 from drake_leg.simulink.multibody.meshes import FileMeshes
 from drake_leg.simulink.multibody.plant import mechanism_plant
+from drake_leg.simulink.networks.reflection import Reflected
 from drake_leg.simulink.wiring import physical_part
 
 T = TypeVar("T")
@@ -53,6 +54,7 @@ class Acting:
         *,
         where: Sequence[Path] = (),
         contact: LawOfContact = "smooth",
+        reflected: Sequence[Reflected] = (),
     ) -> None:
         self.problems: list[str] = []
         self.contact = contact
@@ -65,6 +67,7 @@ class Acting:
         nq, nv = self.plant.num_positions(), self.plant.num_velocities()
         self.joints = Joints(self.coordinates, self.inputs, nq, nv)
         self.problems += self.joints.problems
+        self.problems += reflect(self.plant, self.joints, self.inputs, reflected)
         self._rotors = self._attempt(np.zeros(len(self.joints.motions)), rotors)
         self.moment = Moment(self.tree, self.plant)
         self.constraints: list[Constraint] = [Welded(weld) for weld in welds]
@@ -93,6 +96,21 @@ class Acting:
             and block.parameters.get("JointMode") == "ProvidedByInput"
         ]
         self._add_sensing()
+        self._require_felt(reflected)
+
+    def _require_felt(self, reflected: Iterable[Reflected]) -> None:
+        """Refuse inertias at one joint that follow the velocity of another one."""
+        axes, nq = {entry: axis for axis, entry in self.joints.forced}, self.plant.num_positions()
+        for one in reflected:
+            if one.driven not in self.inputs.slices or one.sensed not in self.sensed.slices:
+                continue
+            axis = axes.get(self.inputs.slices[one.driven].start)
+            row = self._linear[self.sensed.slices[one.sensed].start, nq:]
+            if axis is not None and not np.array_equal(row, self.joints.S[axis]):
+                self.problems.append(
+                    f"a network that follows {one.sensed} adds an inertia at {one.driven}: let it "
+                    "follow the velocity of the same axis"
+                )
 
     def _attempt(self, otherwise: Array, work: Callable[..., Array]) -> Array:
         try:

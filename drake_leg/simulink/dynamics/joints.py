@@ -63,7 +63,7 @@ class Joints:
         self.b = np.array([axis.b for axis in self.axes])
         self.S = np.array([axis.S for axis in self.axes]).reshape(len(self.axes), nv)
         self.number = {id(axis): index for index, axis in enumerate(self.axes)}
-        self._driven: list[tuple[int, int]] = []  # axis, entry of u
+        self.forced: list[tuple[int, int]] = []  # axis, entry of u, of its force
         self._torques: list[tuple[int, slice, tuple[int, ...], bool]] = []
         self._add_inputs(coordinates, inputs)
         self._stops = [
@@ -74,8 +74,8 @@ class Joints:
         self._bounds = np.array([stop.bound for stop in self._stops])
         self._rests = [self._attempt(np.eye(3), _rest, ball) for ball in self.balls]
         self._find_springs()
-        self._forced = np.array([axis for axis, _ in self._driven], dtype=int)
-        self._forcing = np.array([entry for _, entry in self._driven], dtype=int)
+        self._forced = np.array([axis for axis, _ in self.forced], dtype=int)
+        self._forcing = np.array([entry for _, entry in self.forced], dtype=int)
 
     def positions(self, moment: Moment) -> Array:
         """Return the positions of all axes [rad or m]."""
@@ -156,7 +156,7 @@ class Joints:
 
     def actuator_force(self, axis: int, u: Array) -> float:
         """Return the force of the input of an axis [N*m or N]."""
-        return float(sum(u[entry] for index, entry in self._driven if index == axis))
+        return float(sum(u[entry] for index, entry in self.forced if index == axis))
 
     def _attempt(self, otherwise: Array, work: Callable[[Ball], Array], ball: Ball) -> Array:
         try:
@@ -178,7 +178,7 @@ class Joints:
                 index = self.number[id(coordinate)]
                 if forced:
                     entries = inputs.add(f"{block.sid}#lconn:{place}")
-                    self._driven.append((index, entries.start))
+                    self.forced.append((index, entries.start))
                     place += 1
                 if moved:
                     port = f"{block.sid}#lconn:{place}"

@@ -1,12 +1,12 @@
-"""Finds joints that move nothing that has mass.
+"""Puts rotors at joints: those of networks, and some at joints that move nothing that has mass.
 
-A motion can drive them all the same: a rotor at such a joint keeps the plant's equations regular,
-and changes nothing that moves.
+A motion can drive such joints all the same: a rotor keeps the plant's equations regular, and
+changes nothing that moves.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -15,7 +15,9 @@ from pydrake.multibody.tree import JointActuator
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.coordinates import Axis, Coordinate
 from drake_leg.simulink.dynamics.joints import Joints
+from drake_leg.simulink.dynamics.ports import Layout
 from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.networks.reflection import Reflected
 
 SINGULAR = 1e-13  # of 1, of the mass matrix with a diagonal of ones
 
@@ -52,6 +54,27 @@ def rotors(plant: MultibodyPlant, joints: Joints, coordinates: Sequence[Coordina
             "and no motion drives them: give what they move a mass"
         )
     return found
+
+
+def reflect(
+    plant: MultibodyPlant, joints: Joints, inputs: Layout, reflected: Iterable[Reflected]
+) -> list[str]:
+    """Add the inertias of networks to the joints that feel them; say which cannot be."""
+    axes = {entry: axis for axis, entry in joints.forced}
+    problems = []
+    for one in reflected:
+        entries = inputs.slices.get(one.driven)
+        axis = None if entries is None else axes.get(entries.start)
+        actuator = None if axis is None else _actuator(plant, joints, axis)
+        if actuator is None:
+            problems.append(
+                f"a network adds an inertia at {one.driven}, which is no joint of one axis that "
+                "moves by itself: put an element with losses between them"
+            )
+            continue
+        actuator.set_default_rotor_inertia(actuator.default_rotor_inertia() + one.inertia)
+        actuator.set_default_gear_ratio(1.0)
+    return problems
 
 
 def _velocity(coordinate: Coordinate) -> int:

@@ -23,6 +23,7 @@ from drake_leg.simulink.model import Model
 from drake_leg.simulink.multibody.bodies import Mechanism, mechanism_of
 from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.networks.reflection import Reflected
 
 Contact = LawOfContact
 
@@ -183,6 +184,7 @@ def mechanism_dynamics(
     *,
     contact: Contact = "smooth",
     where: Sequence[Path] = (),
+    reflected: Sequence[Reflected] = (),
 ) -> MechanismSystem:
     """Build the mechanism of a model with all that acts on it.
 
@@ -190,12 +192,19 @@ def mechanism_dynamics(
     damper may pull while two bodies part: Simscape states neither. By ``drake`` it is Drake's point
     contact, with the blocks' stiffness, damping and friction. Geometry of CAD programs that touches
     is looked for in the folders ``where``; a contact whose geometry is not found is left out.
+    What networks add to the inertia of joints is ``reflected``.
 
     Raises
     ------
     InvalidValueError
         That lists all that is missing.
     """
-    acting = Acting(model, mechanism or mechanism_of(model), where=where, contact=contact)
+    acting = Acting(
+        model,
+        mechanism or mechanism_of(model),
+        where=where,
+        contact=contact,
+        reflected=reflected,
+    )
     refuse(acting.problems)
     return MechanismSystem(acting)

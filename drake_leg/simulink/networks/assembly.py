@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block
@@ -12,6 +13,7 @@ from drake_leg.simulink.networks.ports import Layout
 from drake_leg.simulink.running.settings import Settings
 from drake_leg.units import parse_unit
 
+T = TypeVar("T")
 PRIORITIES = ("None", "Low", "High")
 
 
@@ -31,6 +33,13 @@ class Law:
     quantity: Quantity
     code: str
     arguments: tuple[Linear, ...]
+
+
+def parameter(block: Block, name: str, default: float) -> float:
+    """Evaluate a parameter of a physical block, in SI."""
+    settings = Settings(block)
+    found, unit = settings.number(name, repr(default)), settings.text(f"{name}_unit", "1")
+    return parse_unit(unit).in_si(found) if unit not in ("", "1") else found
 
 
 class Assembly:
@@ -65,7 +74,6 @@ class Bench:
     ) -> None:
         self.block, self._assembly, self._layout, self._ends = block, assembly, layout, ends
         self._texts: Mapping[str, str] = getattr(block.parameters, "texts", {})
-        self._settings = Settings(block)
         self._count = 0
         self._open: dict[str, Linear] = {}  # potentials at ends that are not connected
         self._inputs: dict[str, Linear] = {}
@@ -75,9 +83,7 @@ class Bench:
 
     def number(self, name: str, default: float) -> float:
         """Evaluate a parameter, in SI."""
-        found = self._settings.number(name, repr(default))
-        unit = self._settings.text(f"{name}_unit", "1")
-        return parse_unit(unit).in_si(found) if unit not in ("", "1") else found
+        return parameter(self.block, name, default)
 
     def positive(self, name: str, default: float) -> float:
         """Evaluate a parameter that must be positive, in SI."""
@@ -95,6 +101,11 @@ class Bench:
         found = self.text(name, usual[0])
         if found not in usual:
             raise self.fault(f"has {name} {found!r}, which is not computed: choose {usual[0]!r}")
+
+    def chosen(self, name: str, default: str, choices: Mapping[str, T]) -> T:
+        """Return what a choice stands for."""
+        self.require(name, default, *choices)
+        return choices[self.text(name, default)]
 
     def fault(self, problem: str) -> InvalidValueError:
         """Make an error about the block."""
@@ -205,16 +216,15 @@ class Bench:
                 )
 
 
-Write = Callable[[Bench], None]
-KINDS: dict[str, Write] = {}
+Element = Callable[[Bench], None]
+KINDS: dict[str, Element] = {}
 
 
-def element(*names: str) -> Callable[[Write], Write]:
+def element(*names: str) -> Callable[[Element], Element]:
     """Say that a function writes the equations of kinds of blocks."""
 
-    def noted(write: Write) -> Write:
+    def noted(write: Element) -> Element:
         KINDS.update(dict.fromkeys(names, write))
         return write
 
     return noted
-

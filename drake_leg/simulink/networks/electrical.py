@@ -189,16 +189,15 @@ def motor(b: Bench) -> None:
 
 def _of_winding(b: Bench) -> tuple[float, float]:
     """Return torque constant and resistance, however they are given."""
-    how = b.text("parameterization", "1")
-    if how in ("1", "circuit"):
+    ways = {"1": "circuit", "circuit_param": "circuit", "2": "stall", "stalltorque": "stall"}
+    how = b.chosen("parameterization", "circuit_param", ways)
+    if how == "circuit":
         of_torque = b.text("emf_or_torque", "1") in ("2", "ki")
         constant = b.number("Ki", 6.876e-4) if of_torque else b.number("Kv", 6.876e-4)
         return constant, b.number("Ra", 3.9)
-    if how in ("2", "stall", "torque_speed"):
-        voltage, fastest = b.positive("V_rated", 1.5), b.positive("w_max", 2000.0)
-        constant = voltage / fastest
-        return constant, constant * voltage / b.positive("T_stall", 2.4e-4)
-    raise b.fault(f"has the parameterization {how!r}, which is not computed: choose 'circuit'")
+    voltage = b.positive("V_rated", 1.5)
+    constant = voltage / b.positive("w_max", 2000.0)
+    return constant, constant * voltage / b.positive("T_stall", 2.4e-4)
 
 
 def _rotor(b: Bench, torque: Linear, velocity: Linear) -> None:

@@ -82,23 +82,19 @@ def friction(b: Bench) -> None:
 def hard_stop(b: Bench) -> None:
     """Push back beyond two bounds, with stiffness and damping."""
     turns = b.block.kind.startswith("Rotational")
-    model = b.text("model", "3")
-    laws = {"1": "smooth", "2": "undamped", "3": "damped", "smooth_damped": "smooth",
-            "full_undamped": "undamped", "full_damped": "damped"}  # fmt: skip
-    if model not in laws:
-        raise b.fault(f"has the model {model!r}, which is not computed: choose 3")
+    law = b.chosen("model", "3", {"1": "smooth", "2": "undamped", "3": "damped"})
     low, high = b.number("lower_bnd", -0.1), b.number("upper_bnd", 0.1)
     if not low < high:
         raise b.fault(f"has the bounds {low:g} and {high:g}: the lower one must be less")
     stiff, damped = 1e6, 0.01 if turns else 150.0
     numbers = [b.number(f"stiff_{side}", stiff) for side in ("low", "up")]
     numbers += [b.number(f"D_{side}", damped) for side in ("low", "up")]
-    width = b.positive("transition", 0.1 if turns else 1e-4) if laws[model] == "smooth" else 0.0
+    width = b.positive("transition", 0.1 if turns else 1e-4) if law == "smooth" else 0.0
     place, rate = b.state("phi" if turns else "x")
     velocity = b.between("R", "C")
     b.zero(rate - velocity)
     listed = ", ".join(repr(each) for each in (low, high, *numbers, width))
-    rebounds = laws[model] == "undamped"
+    rebounds = law == "undamped"
     force = b.law(f"hard_stop({{0}}, {{1}}, {listed}, {rebounds})", place, velocity)
     b.flow("R", force)
     b.flow("C", -force)
@@ -150,16 +146,17 @@ def gear_box(b: Bench) -> None:
 @element("Simple Gear")
 def simple_gear(b: Bench) -> None:
     """Let the base turn as many times as fast as the follower as the ratio says."""
-    b.require("friction_model", "no_meshing_losses", "1", "none", "off")
+    b.require("friction_model", "off", "1")
     b.require("enable_faults", "off", "0")
-    sign = 1.0 if b.text("rotation_direction", "out_opposite") in ("same", "2", "out_same") else -1.0
+    b.require("enable_backlash", "false", "off", "0")
+    sign = b.chosen("rotation_direction", "opposite", {"same": 1.0, "opposite": -1.0})
     _geared(b, "S", "O", sign * b.number("ratio", 2.0))
 
 
 @element("Wheel and Axle")
 def wheel(b: Bench) -> None:
     """Let P move by the radius as A turns."""
-    sign = -1.0 if b.text("or", "1") in ("-1", "2", "negative") else 1.0
+    sign = b.chosen("or", "1", {"1": 1.0, "2": -1.0, "-1": -1.0})
     _geared(b, "P", "A", sign * b.positive("R", 0.1))
 
 

@@ -64,7 +64,12 @@ _PORTS: Mapping[str, str] = {
 }  # fmt: skip
 KINDS = tuple(_PORTS)
 MOTION_SENSORS = ("Ideal Translational Motion Sensor", "Ideal Rotational Motion Sensor")
-_MEASURES = {"acceleration_port": "B", "velocity_port": "V", "position_port": "P", "angle_port": "P"}
+_MEASURES = {
+    "acceleration_port": "B",
+    "velocity_port": "V",
+    "position_port": "P",
+    "angle_port": "P",
+}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,13 +11,19 @@ import numpy as np
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block, split_port
 from drake_leg.simulink.networks import electrical, mechanical  # noqa: F401 - they fill KINDS
-from drake_leg.simulink.networks.assembly import KINDS, Assembly, Bench, Law, State
+from drake_leg.simulink.networks.assembly import KINDS, Assembly, Bench
 from drake_leg.simulink.networks.linear import Linear, Quantity
 from drake_leg.simulink.networks.ports import Layout, layout_of
 from drake_leg.simulink.networks.reduction import Reduced, reduced
 from drake_leg.simulink.wiring import join
 
-BESIDE = ("Solver Configuration", "Connection Label", "Connection Port", "ConnectionLabel", "PMIOPort")
+BESIDE = (
+    "Solver Configuration",
+    "Connection Label",
+    "Connection Port",
+    "ConnectionLabel",
+    "PMIOPort",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +113,7 @@ def networks_of(
     mine = [net for net in nets if any(port in ends for port in net)]
     held = [[ends[port] for port in net if port in ends] for net in mine]
     found: dict[str, _Network] = {}
-    for group in (*((sid,) for group in held for sid in group), *join(held)):
+    for group in (*((sid,) for sids in held for sid in sids), *join(held)):
         one = _Network({sid: blocks[sid] for sid in blocks if sid in group})
         found |= dict.fromkeys(group, one)
     for net in mine:
@@ -184,13 +190,11 @@ def _failed(
             yield Part(block=block, outputs=outputs, faults=(*mine, *others, *faults.values()))
 
 
-def _parts(
-    own: Mapping[str, Block], result: Reduced, drivers: Mapping[str, str]
-) -> Iterator[Part]:
+def _parts(own: Mapping[str, Block], result: Reduced, drivers: Mapping[str, str]) -> Iterator[Part]:
     counted: Counter[tuple[str, str]] = Counter()
     ports: dict[Quantity, str] = {}
-    for made in (*(state for state, _ in result.states), *(law for law, _ in result.laws)):
-        quantity = made.quantity
+    made = [state.quantity for state, _ in result.states]
+    for quantity in (*made, *(law.quantity for law, _ in result.laws)):
         counted[quantity.owner, quantity.role] += 1
         number = counted[quantity.owner, quantity.role]
         ports[quantity] = f"{quantity.owner}#{quantity.role}:{number}"
@@ -208,7 +212,9 @@ def _parts(
     for sid, block in own.items():
         states = [pair for pair in result.states if pair[0].quantity.owner == sid]
         laws = [pair for pair in result.laws if pair[0].quantity.owner == sid]
-        outputs = {port: value for port, value in result.outputs.items() if split_port(port)[0] == sid}
+        outputs = {
+            port: value for port, value in result.outputs.items() if split_port(port)[0] == sid
+        }
         if states or laws or outputs:
             yield Part(
                 block=block,

@@ -112,9 +112,7 @@ class _Reduction:
         found = []
         for row in solved.left:
             says = Linear(dict(zip(self._known, solved.N[row], strict=True)))
-            involved = [
-                self._equations[k][1] for k in np.flatnonzero(solved.combination[row])
-            ]
+            involved = [self._equations[k][1] for k in np.flatnonzero(solved.combination[row])]
             if not says:
                 continue
             if not any(quantity.role == "state" for quantity in says):
@@ -179,9 +177,7 @@ class _Reduction:
             raise self._undetermined(quantity)
         for column, row in solved.pivots.items():
             terms = dict(zip(self._known, -solved.N[row], strict=True))
-            terms |= {
-                self._unknown[k]: -solved.M[row, k] for k in solved.free if solved.M[row, k]
-            }
+            terms |= {self._unknown[k]: -solved.M[row, k] for k in solved.free if solved.M[row, k]}
             values[self._unknown[column]] = Linear(terms)
 
         def explicit(value: Linear) -> Linear:
@@ -196,8 +192,7 @@ class _Reduction:
         states = [state for q, state in self._states.items() if q not in self.dependent]
         return Reduced(
             states=tuple(
-                (state, explicit(Linear(self._rates[state.quantity])))
-                for state in states
+                (state, explicit(Linear(self._rates[state.quantity]))) for state in states
             ),
             laws=tuple(
                 (law, tuple(explicit(argument) for argument in law.arguments))

@@ -11,6 +11,7 @@ from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
 from drake_leg.simulink.model import Block, Model, Parameters, split_port
 from drake_leg.simulink.networks.reading import Part, networks_of
+from drake_leg.simulink.networks.reflection import without_accelerations
 from drake_leg.simulink.wiring import flatten
 
 GATES = ("EnablePort", "TriggerPort", "ActionPort")
@@ -148,7 +149,8 @@ class _Reading:
 
     def _in_networks(self) -> Iterator[Node]:
         """Yield the blocks of networks of one dimension; those that nothing senses do not run."""
-        for network in networks_of(self._blocks, self._flat.nodes, self._drivers):
+        found = networks_of(self._blocks, self._flat.nodes, self._drivers)
+        for network in without_accelerations(found, self._blocks, self._drivers)[0]:
             given = {port for part in network.parts for port in part.gives}
             if not given & self._read:
                 continue

@@ -12,7 +12,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from drake_leg.simulink.matlab.compiling.small_matrices import inv_3
-from drake_leg.simulink.running.network_laws import diode, friction, hard_stop
+from drake_leg.simulink.running.network_laws import (  # noqa: F401 - names of the code
+    diode,
+    friction,
+    hard_stop,
+)
 from drake_leg.simulink.running.settings import Signal, flat
 from drake_leg.simulink.running.solving import solved  # noqa: F401 - a name of the code, as all
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from drake_leg.simulink.dynamics.system import MechanismSystem, mechanism_dynamics
 from drake_leg.simulink.model import Block, Model, Value
+from drake_leg.simulink.networks.reflection import Reflected
 from drake_leg.simulink.running.code import Recorded
 from drake_leg.simulink.running.compiling import FUNCTIONS, Code, Ports
 from drake_leg.simulink.running.diagram import Array, ModelDiagram
@@ -82,7 +83,8 @@ def mechanism_from(data: Mapping[str, Any]) -> MechanismSystem:
         functions=(),
         solver={},
     )
-    return mechanism_dynamics(model, contact=data["contact"])
+    reflected = [Reflected(**each) for each in data.get("reflected", ())]
+    return mechanism_dynamics(model, contact=data["contact"], reflected=reflected)
 
 
 def _value(value: Any) -> Value:  # noqa: ANN401 - as JSON has it

@@ -17,6 +17,7 @@ from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
 from drake_leg.simulink.model import LOOPS, Model, number, split_port, vector
 from drake_leg.simulink.multibody.connections import refuse
+from drake_leg.simulink.networks.reflection import reflected_of
 from drake_leg.simulink.running.compiling import (
     A_RUN,
     Code,
@@ -231,7 +232,9 @@ def _mechanism(model: Model, contact: Contact, solve_loops: bool) -> MechanismSy
         return None
     try:
         where = () if model.variables is None else model.variables.workspace.folders.all
-        return mechanism_dynamics(model, contact=contact, where=where)
+        return mechanism_dynamics(
+            model, contact=contact, where=where, reflected=reflected_of(model)
+        )
     except InvalidValueError as error:
         found = error.problems if isinstance(error, MissingThingsError) else (str(error),)
         lacking = missing_for_run(signal_network(model), solve_loops=solve_loops)

@@ -150,7 +150,7 @@ def test_a_network_without_a_reference_is_named(tmp_path):
     made.two(SOURCES, "DC Voltage Source", "source", "a", "b", v0="4")
     made.resistor("R", "a", "b", "2")
     made.voltage("a", "b", "held")
-    with pytest.raises(InvalidValueError, match="has no reference"):
+    with pytest.raises(InvalidValueError, match=r"has no reference"):
         made.run(tmp_path)
 
 
@@ -158,7 +158,7 @@ def test_a_block_that_is_not_computed_is_named(tmp_path):
     made = fed()
     made.two("sh_lib/Things/", "Accumulator", "vessel", "a", "0")
     made.voltage("a", "0", "held")
-    with pytest.raises(InvalidValueError, match="'vessel'"):
+    with pytest.raises(InvalidValueError, match=r"'vessel'"):
         made.run(tmp_path)
 
 
@@ -166,7 +166,7 @@ def test_targets_that_no_state_heeds_are_refused(tmp_path):
     made = fed()
     made.two(ELEMENTS, "Resistor", "R", "a", "0", R="2", i_specify="on", i="3")
     made.voltage("a", "0", "held")
-    with pytest.raises(InvalidValueError, match="'R'.* target of 'i'"):
+    with pytest.raises(InvalidValueError, match=r"'R'.* target of 'i'"):
         made.run(tmp_path)
 
 
@@ -176,7 +176,7 @@ def test_targets_that_contradict_one_another_are_refused(tmp_path):
     capacitor(made, "C1", "b", "0", "0.06", vc_specify="on", vc="2", vc_priority="High")
     capacitor(made, "C2", "b", "0", "0.04", vc_specify="on", vc="1", vc_priority="High")
     made.voltage("b", "0", "held")
-    with pytest.raises(InvalidValueError, match="choose targets that agree"):
+    with pytest.raises(InvalidValueError, match=r"choose targets that agree"):
         made.run(tmp_path)
 
 
@@ -184,5 +184,5 @@ def test_a_value_that_is_not_known_is_a_lack(tmp_path):
     made = fed()
     made.resistor("R", "a", "0", "ohms")
     made.voltage("a", "0", "held")
-    with pytest.raises(InvalidValueError, match="give a value of ohms"):
+    with pytest.raises(InvalidValueError, match=r"give a value of ohms"):
         made.run(tmp_path)

@@ -86,9 +86,7 @@ def test_a_connection_without_a_mass_follows_what_pulls_it(tmp_path):
     rig = shaken(LINE, "Ideal Force Source", "Ideal Translational Motion Sensor")
     rig.remove("Mass")
     run = rig.run(tmp_path, 0.5)
-    np.testing.assert_allclose(
-        shown(run, "place"), -0.002 * np.expm1(-10.0 * run.time), atol=1e-10
-    )
+    np.testing.assert_allclose(shown(run, "place"), -0.002 * np.expm1(-10.0 * run.time), atol=1e-10)
 
 
 def test_a_sensor_of_absolute_position_alone_has_one_connection(tmp_path):

@@ -87,7 +87,6 @@ def kinds_of_blocks() -> dict[str, Kind]:
         gates,
         logic,
         maths,
-        networks,
         physical,
         replacements,
         routing,
@@ -101,5 +100,9 @@ def kinds_of_blocks() -> dict[str, Kind]:
 
 def kind_of(node: Node) -> Kind | None:
     """Return the kind of a block, None where it does not run."""
+    if node.part is not None:
+        from drake_leg.simulink.running.kinds.networks import OF_NETWORKS
+
+        return OF_NETWORKS
     kinds = kinds_of_blocks()
     return kinds.get(node.block.kind) or kinds.get(node.block.type)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from drake_leg.simulink.networks.assembly import KINDS as ELEMENTS
 from drake_leg.simulink.networks.reading import Part, Row, Term
 from drake_leg.simulink.running.code import Writer, literal
-from drake_leg.simulink.running.kinds import KINDS, Kind, Write
+from drake_leg.simulink.running.kinds import Kind
 from drake_leg.simulink.running.network import Node
 from drake_leg.simulink.running.settings import Settings
 
@@ -76,21 +75,4 @@ def _direct(node: Node, _: Settings) -> Iterable[int]:
     return [place for place, port in enumerate(node.inputs) if port in node.part.at_once]
 
 
-def _said_by(element: Write) -> Write:
-    """Write a block of a network under the words that its equations have."""
-
-    def write(w: Writer) -> None:
-        _write(w)
-
-    write.__doc__ = element.__doc__
-    return write
-
-
-for _name, _element in ELEMENTS.items():
-    KINDS[_name] = Kind(
-        write=_said_by(_element),
-        finish=_finish,
-        direct=_direct,
-        continuous=True,
-        sample_time="",
-    )
+OF_NETWORKS = Kind(write=_write, finish=_finish, direct=_direct, continuous=True, sample_time="")

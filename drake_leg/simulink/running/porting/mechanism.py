@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from drake_leg.simulink.dynamics.system import Contact, mechanism_dynamics
 from drake_leg.simulink.model import Model, Value
+from drake_leg.simulink.networks.reflection import reflected_of
 from drake_leg.simulink.wiring import physical_part
 
 
@@ -55,7 +56,8 @@ def mechanism_data(model: Model, contact: Contact) -> dict[str, Any]:
         for block in flat.blocks
         if block.sid in ends
     ]
-    mechanism_dynamics(replace(flat, blocks=tuple(blocks)), contact=contact)
+    reflected = reflected_of(model)
+    mechanism_dynamics(replace(flat, blocks=tuple(blocks)), contact=contact, reflected=reflected)
     listed = []
     for block in blocks:
         assert isinstance(block.parameters, _Read)
@@ -64,9 +66,11 @@ def mechanism_data(model: Model, contact: Contact) -> dict[str, Any]:
             {"path": block.path, "mask": list(block.mask)} if block.mask else {"path": block.path}
         )
         listed.append({**each, **more, "parameters": dict(block.parameters.read)})
+    inertias = {"reflected": [asdict(each) for each in reflected]} if reflected else {}
     return {
         "name": model.name,
         "contact": contact,
         "blocks": listed,
         "connections": [list(node) for node in flat.nodes],
+        **inertias,
     }
