@@ -593,11 +593,37 @@ _CONTACT_FORCES: dict[str, Parameters] = {
     "Sphere in Sphere Force": numbers(sphB_rad="0.3", sphF_rad="0.1") + _CONTACT,
 }
 
+_DSP: dict[str, Parameters] = {
+    "Sine Wave": numbers(Amplitude="1", Frequency="100", Phase="0", SampleTime="1/1000"),
+    "Random Source": choices(SrcType="Uniform")
+    + numbers(MinVal="0", MaxVal="1", MeanVal="0", VarVal="1", SampTime="1"),
+}
+_PURSUIT: dict[str, Parameters] = {
+    "Pure Pursuit": switches("DesiredLinearVelocityPort", "LookaheadDistancePort")
+    + numbers(DesiredLinearVelocity="0.1", MaxAngularVelocity="1.0", LookaheadDistance="1.0"),
+}
+_ROTATIONS: dict[str, Parameters] = {
+    name: choices(rotationOrder="ZYX") if "Angles" in name else ()
+    for name in (
+        "Direction Cosine Matrix to Quaternions",
+        "Direction Cosine Matrix to Rotation Angles",
+        "Quaternions to Direction Cosine Matrix",
+        "Quaternions to Rotation Angles",
+        "Rotation Angles to Direction Cosine Matrix",
+        "Rotation Angles to Quaternions",
+    )
+}
+
 LIBRARIES: dict[str, dict[str, Parameters]] = {
     "Contact_Forces_Lib": _CONTACT_FORCES,
+    "aerolibtransform2": _ROTATIONS,
+    "sharedtransform": _ROTATIONS,
+    "robotalgslib": _PURSUIT,
     "cstblocks": {"LTI System": choices(sys="tf(1,[1 1])", IC="[]")},
     "robotcorelib": _ROBOTICS,
     "robotlib": _ROBOTICS,
+    "dspsrcs4": _DSP,
+    "pid_lib": {name: _SIMULINK[name] for name in ("PID Controller", "PID Controller (2DOF)")},
     "sm_lib": MULTIBODY,
     "nesl_utility": _UTILITIES,
     "nesl_utility_internal": _UTILITIES,

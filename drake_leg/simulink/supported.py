@@ -173,6 +173,9 @@ def page() -> str:
         ("Simscape Electrical", "ee_lib"),
         ("Simscape Driveline", "sdl_lib"),
         ("Robotics System Toolbox", "robotcorelib"),
+        ("Sources of the DSP System Toolbox", "dspsrcs4"),
+        ("Algorithms of mobile robots", "robotalgslib"),
+        ("Rotations of the Aerospace Blockset", "sharedtransform"),
         ("Control System Toolbox", "cstblocks"),
     ):
         rows = _rows(LIBRARIES[library], in_network=library in NETWORKS)

@@ -197,14 +197,87 @@ def _lyap(budget: Allowance, wanted: int, a: Any, q: Any) -> Any:
     return settled(scipy.linalg.solve_continuous_lyapunov(left, -right))
 
 
-def _lqr(budget: Allowance, wanted: int, *given: Any) -> Any:
-    """Gain of the linear regulator, its cost matrix, and the closed loop's eigenvalues."""
-    a, b, q, r = (matrix(value) for value in given[:4])
-    numeric.require_square(a, "lqr")
-    budget.work(200.0 * a.size * len(a))
-    cost = scipy.linalg.solve_continuous_are(a, b, q, r)
-    gain = np.linalg.solve(r, b.T @ cost)
-    return settled(gain), settled(cost), settled(np.linalg.eigvals(a - b @ gain)[:, np.newaxis])
+def _schur(budget: Allowance, wanted: int, value: Any, kind: Any = "real") -> Any:
+    """``[U, T] = schur(A)``: ``A = U T U'``, T in blocks of one or two rows, or triangular."""
+    a = matrix(value)
+    numeric.require_square(a, "schur")
+    if kind not in ("real", "complex"):
+        raise LackError(f"'schur' by {kind!r} is not known here")
+    budget.work(25.0 * a.size * len(a))
+    t, u = scipy.linalg.schur(a, output=str(kind))
+    return settled(t) if wanted < 2 else (settled(u), settled(t))
+
+
+_HALVES = {"lhp": "lhp", "rhp": "rhp", "udi": "iuc", "udo": "ouc"}  # SciPy's names of them
+
+
+def _ordered_schur(budget: Allowance, wanted: int, u: Any, t: Any, first: Any) -> Any:
+    """``[U, T] = ordschur(U, T, 'lhp')``: eigenvalues of a half plane, or a disk, first."""
+    if first not in _HALVES:
+        raise LackError("'ordschur' chooses by 'lhp', 'rhp', 'udi' or 'udo' only here")
+    left, middle = matrix(u), matrix(t)
+    budget.work(30.0 * middle.size * len(middle))
+    kind = "complex" if np.iscomplexobj(left @ middle) else "real"
+    a = left @ middle @ left.conj().T
+    found, vectors, _ = scipy.linalg.schur(a, output=kind, sort=_HALVES[str(first)])
+    return settled(vectors), settled(found)
+
+
+def _hull(budget: Allowance, wanted: int, *given: Any) -> Any:
+    """``k = convhull(x, y)``: places of the hull's corners, counterclockwise, and the first."""
+    columns = [np.real(numbers_of(each)) for each in given if not isinstance(each, str)]
+    if len(columns) == 2:
+        columns = [np.column_stack([each.ravel() for each in columns])]
+    if len(columns) != 1 or columns[0].ndim != 2 or columns[0].shape[1] != 2:
+        raise LackError("'convhull' of points in the plane only is known here")
+    (points,) = columns
+    budget.step(20 * len(points))
+    order = np.lexsort((points[:, 1], points[:, 0])).tolist()
+    corners = [*_turning_left(points, order)[:-1], *_turning_left(points, order[::-1])[:-1]]
+    if len(corners) < 3:
+        raise MatlabError("'convhull' needs three points that are not on a line")
+    x, y = points[corners].T
+    area = float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2.0
+    return settled(np.array([*corners, corners[0]])[:, np.newaxis] + 1.0), area
+
+
+def _turning_left(points: Any, order: list[int]) -> list[int]:
+    """Keep the points of a way at which it turns left: one half of a hull."""
+    found: list[int] = []
+    for place in order:
+        while len(found) > 1:
+            (ax, ay), (bx, by), (cx, cy) = points[[found[-2], found[-1], place]]
+            if (bx - ax) * (cy - ay) - (by - ay) * (cx - ax) > 0.0:
+                break
+            found.pop()
+        found.append(place)
+    return found
+
+
+def _magic(budget: Allowance, wanted: int, count: Any) -> Any:
+    """Square of the numbers from 1 on whose rows, columns and diagonals have one sum."""
+    n = max(whole(count), 0)
+    budget.room(float(n) ** 2)
+    if n % 2:
+        rows, columns = np.mgrid[1 : n + 1, 1 : n + 1]
+        ahead = np.mod(rows + columns - (n + 3) // 2, n)
+        return settled(n * ahead + np.mod(rows + 2 * columns - 2, n) + 1.0)
+    if n % 4 == 0:
+        found = np.arange(1.0, n * n + 1.0).reshape(n, n)
+        half = np.mod(np.arange(1, n + 1), 4) // 2
+        return settled(np.where(half[:, np.newaxis] == half, n * n + 1.0 - found, found))
+    if n == 2:
+        return np.array([[1.0, 3.0], [4.0, 2.0]])
+    m = n // 2
+    odd = numbers_of(_magic(budget, 1, float(m)))
+    found = np.block([[odd, odd + 2 * m * m], [odd + 3 * m * m, odd + m * m]])
+    k = (n - 2) // 4
+    swapped = [*range(k), *range(n - k + 1, n)]
+    upper, lower = found[:m].copy(), found[m:].copy()
+    found[:m, swapped], found[m:, swapped] = lower[:, swapped], upper[:, swapped]
+    middle = [0, k]
+    found[k, middle], found[k + m, middle] = found[k + m, middle], found[k, middle]
+    return settled(found)
 
 
 ALGEBRA: dict[str, Known] = {
@@ -241,7 +314,10 @@ ALGEBRA: dict[str, Known] = {
     "trapz": of_values(_trapz),
     "cumtrapz": of_values(_running_trapz),
     "lyap": _lyap,
-    "lqr": _lqr,
+    "schur": _schur,
+    "ordschur": _ordered_schur,
+    "convhull": _hull,
+    "magic": _magic,
     "polyfit": _polyfit,
     "polyval": _polyval,
     "polyder": _row(np.polyder),

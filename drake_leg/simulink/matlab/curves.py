@@ -109,6 +109,26 @@ def _moving(values: Any, window: Any, axis: Any = None) -> Any:
     return settled(np.moveaxis((sums[last] - sums[first]) / counts, 0, along))
 
 
+def _smoothed(y: Any, span: Any = 5.0, *more: Any) -> Any:
+    """Average over a span of an odd count, as ``smooth`` does; at the ends, over what is in it.
+
+    There the span is as long as it can be around its middle.
+    """
+    if more and more != ("moving",):
+        raise LackError("'smooth' by other methods than the moving average is not known here")
+    column, width = numbers_of(y).ravel(order="F"), numbers_of(span)
+    if width.size != 1:
+        raise LackError("'smooth' of values at places of their own is not known here")
+    length = float(width.item())
+    length = np.ceil(length * column.size) if 0.0 < length < 1.0 else length
+    half = (int(min(length, column.size)) - 1) // 2
+    places = np.arange(column.size)
+    reach = np.minimum(np.minimum(places, places[::-1]), max(half, 0))
+    sums = np.append(0.0, np.cumsum(column))
+    means = (sums[places + reach + 1] - sums[places - reach]) / (2 * reach + 1)
+    return settled(means[:, np.newaxis])
+
+
 def _interp1(budget: Allowance, wanted: int, x: Any, y: Any, *rest: Any) -> Any:
     """Values between points: of one curve, in the shape of the places, or of each column."""
     if not rest or isinstance(rest[0], str):
@@ -187,6 +207,20 @@ _RULES: dict[str, Callable[..., Any]] = {
 }
 
 
+def _series(data: Any, time: Any = None, *more: Any) -> Any:
+    """``timeseries``: values at times, rows of a matrix, or a row's or a column's entries."""
+    values = numbers_of(data)
+    if more or isinstance(time, str):
+        raise LackError("'timeseries' of values and times only is known here")
+    if values.ndim == 2 and 1 in values.shape:
+        values = values.reshape(-1, 1)
+    samples = values.shape[0] if values.ndim == 2 else values.shape[-1]
+    times = np.arange(float(samples)) if time is None else numbers_of(time).ravel()
+    if times.size != samples:
+        raise MatlabError(f"{samples} values at {times.size} times make no 'timeseries'")
+    return Struct(Time=settled(times[:, np.newaxis]), Data=settled(values), Length=float(samples))
+
+
 def _cylinder(budget: Allowance, wanted: int, radii: Any = 1.0, count: Any = 20.0) -> Any:
     """Points of a surface of revolution of height 1, round by round."""
     r, n = numbers_of(radii).ravel(), whole(count)
@@ -220,4 +254,6 @@ CURVES: dict[str, Known] = {
     "mkpp": of_values(_pieces),
     "unmkpp": _unmkpp,
     "movmean": of_values(_moving),
+    "smooth": of_values(_smoothed),
+    "timeseries": of_values(_series),
 }

@@ -106,6 +106,9 @@ class Host(Protocol):
     def has_file(self, name: str) -> bool:
         """Whether there is such a file or folder."""
 
+    def path_of(self, name: str) -> Path | None:
+        """Find a file of data."""
+
     def base(self) -> dict[str, Any]:
         """Variables of the workspace that all scripts share."""
 
@@ -159,6 +162,10 @@ class Alone:
     def has_file(self, name: str) -> bool:
         """No files."""
         return False
+
+    def path_of(self, name: str) -> Path | None:
+        """No files."""
+        return None
 
     def base(self) -> dict[str, Any]:
         """No variables."""

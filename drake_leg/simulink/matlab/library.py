@@ -24,6 +24,7 @@ from drake_leg.simulink.matlab.operators import EACH
 from drake_leg.simulink.matlab.quadratic import QUADRATIC
 from drake_leg.simulink.matlab.records import RECORDS
 from drake_leg.simulink.matlab.rotations import ROTATIONS
+from drake_leg.simulink.matlab.state_spaces import STATE_SPACES
 from drake_leg.simulink.matlab.surroundings import SURROUNDINGS
 from drake_leg.simulink.matlab.texts import TEXTS
 from drake_leg.simulink.matlab.transfers import TRANSFERS
@@ -190,6 +191,7 @@ KNOWN: dict[str, Known] = {
     **ALGEBRA,
     **CURVES,
     **QUADRATIC,
+    **STATE_SPACES,
     **TRANSFERS,
     **RECORDS,
     **{name: of_values(function) for name, function in ROTATIONS.items()},
@@ -199,7 +201,7 @@ KNOWN: dict[str, Known] = {
 
 _QUIET = (
     "axis beep box camlight clc close colorbar dbstop disp display drawnow figure format fprintf "
-    "graphics_toolkit grid hold legend light more pause pkg printf profile shading tic title "
+    "graphics_toolkit grid hold legend light more pause pkg printf profile shading title "
     "view warning who whos xlabel ylabel zlabel"
 )
 QUIET = frozenset(_QUIET.split())  # they only arrange, print or wait

@@ -24,6 +24,7 @@ from drake_leg.simulink.matlab.data import (
 )
 from drake_leg.simulink.matlab.library import KNOWN, NOT_RUN
 from drake_leg.simulink.matlab.numeric import MatlabError
+from drake_leg.simulink.matlab.reading import READERS
 
 if TYPE_CHECKING:
     from drake_leg.simulink.matlab.frames import Frame, MaskedBlock, Values
@@ -250,6 +251,10 @@ def _model_name(self: Interpreter, arguments: Values, wanted: int, frame: Frame)
     return [self.host.model_name()]
 
 
+def _no_picture(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    return [False]
+
+
 _MASK_PARAMETER = "Simulink.Mask.getParameter"
 SPECIAL: Mapping[str, Special] = {
     "gcb": _current_block,
@@ -281,6 +286,13 @@ SPECIAL: Mapping[str, Special] = {
     "pwd": _here,
     "genpath": lambda self, arguments, wanted, frame: [str(arguments[0])],
     "assignin": _assign_in,
+    **READERS,
+    # No time passes while a script runs, and it has no pictures.
+    "tic": lambda self, arguments, wanted, frame: [0.0] if wanted else [],
+    "toc": lambda self, arguments, wanted, frame: [0.0] if wanted else [],
+    "isgraphics": _no_picture,
+    "ishandle": _no_picture,
+    "ishghandle": _no_picture,
     "eval": _eval,
     "evalin": _eval_in,
 }

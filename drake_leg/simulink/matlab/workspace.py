@@ -374,6 +374,11 @@ class Workspace:
         """Whether there is such a file or folder in the given ones."""
         return any(self.folders.within(f"{name}{ending}") for ending in ("", *SCRIPTS, ".mat"))
 
+    def path_of(self, name: str) -> Path | None:
+        """Find a file of data in the given folders."""
+        path = self.folders.within(name)
+        return path if path is not None and path.is_file() else None
+
     def base(self) -> dict[str, Any]:
         """Return the variables that all scripts share."""
         return self.variables

@@ -17,6 +17,7 @@ from drake_leg.simulink.running.network_laws import (  # noqa: F401 - names of t
     friction,
     hard_stop,
 )
+from drake_leg.simulink.running.pursuit import pursued  # noqa: F401
 from drake_leg.simulink.running.settings import Signal, flat
 from drake_leg.simulink.running.solving import solved  # noqa: F401 - a name of the code, as all
 
@@ -250,6 +251,17 @@ def cosines_of(angles: Array, order: str) -> Array:
     """Direction cosine matrix of angles [rad]."""
     found: Array = Rotation.from_euler(order, angles).as_matrix().T
     return found
+
+
+def cosines_of_quaternion(q: Array) -> Array:
+    """Direction cosine matrix of a quaternion (w, x, y, z)."""
+    found: Array = Rotation.from_quat(np.roll(q, -1)).as_matrix().T
+    return found
+
+
+def quaternion_of(matrix: Array) -> Array:
+    """Quaternion (w, x, y, z) of a direction cosine matrix."""
+    return np.roll(Rotation.from_matrix(matrix.T).as_quat(canonical=True), 1)
 
 
 REPRESENTATIONS = (

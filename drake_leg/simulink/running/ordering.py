@@ -6,7 +6,7 @@ import math
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from drake_leg.errors import UnknownValueError
+from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block, split_port
 from drake_leg.simulink.running.kinds import Kind
 from drake_leg.simulink.running.network import Node
@@ -66,8 +66,8 @@ def _needed_at_once(node: Node, kind: Kind, nodes: Container[str]) -> list[tuple
     """Find the blocks that a block needs at once: what lets it run, and the ports that it reads."""
     try:
         places = tuple(kind.direct(node, Settings(node.block)))
-    except UnknownValueError:
-        places = ()  # that the value is not known is said where the block is written
+    except InvalidValueError:
+        places = ()  # what is wrong with a value is said where the block is written
     ports = [port for place in places if (port := node.inputs[place]) is not None]
     sources = [(gate, None) for gate in node.gates] + [(split_port(p)[0], p) for p in ports]
     return [each for each in sources if each[0] in nodes]

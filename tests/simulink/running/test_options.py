@@ -15,7 +15,8 @@ LIBRARIES = {
     "PID Controller": "simulink/Continuous/PID Controller",
     "Discrete PID Controller": "simulink/Discrete/Discrete PID Controller",
     "Moving Average": "dspstat3/Moving Average",
-    "LTI System": "cstblocks/LTI System",
+    "Random Source": "dspsrcs4/Random Source",
+    "Sine Wave": "dspsrcs4/Sine Wave",
 }
 
 

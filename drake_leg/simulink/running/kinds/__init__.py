@@ -89,6 +89,7 @@ def kinds_of_blocks() -> dict[str, Kind]:
         maths,
         physical,
         replacements,
+        robotics,
         routing,
         sinks,
         sources,

@@ -6,6 +6,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.matlab.numeric import MatlabError
+from drake_leg.simulink.matlab.state_spaces import StateSpace, state_space_of
 from drake_leg.simulink.matlab.transfers import transfer_of
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind, no_inputs
@@ -45,21 +48,27 @@ def _reset(w: Writer, state: object) -> None:
         return
     u = w.numeric(1)
     before = w.kept["reset"]
-    a, b = before.code, u.code
-    rising, falling = f"({a} <= 0.0 and {b} > 0.0)", f"({a} >= 0.0 and {b} < 0.0)"
-    code = {
+    code = reset_condition(w, how, before.code, u.code)
+    w.pen.edges.append(u.code)
+    start = w.numeric(2).code if external else w.constant(w.kept["start"])
+    w.set_state(code, start)
+    w.remember(u.code, number=1)
+
+
+def reset_condition(w: Writer, how: str, before: str, now: str) -> str:
+    """Return the condition on which a signal resets a block, by its codes before and now."""
+    rising = f"({before} <= 0.0 and {now} > 0.0)"
+    falling = f"({before} >= 0.0 and {now} < 0.0)"
+    codes = {
         "rising": rising,
         "falling": falling,
         "either": f"({rising} or {falling})",
-        "level": f"{b} != 0.0",
-        "level hold": f"{b} != 0.0",
-    }.get(how)
-    if code is None:
+        "level": f"{now} != 0.0",
+        "level hold": f"{now} != 0.0",
+    }
+    if how not in codes:
         raise w.fault(f"is reset by {how!r}, which does not run")
-    w.pen.edges.append(b)
-    start = w.numeric(2).code if external else w.constant(w.kept["start"])
-    w.set_state(code, start)
-    w.remember(b, number=1)
+    return codes[how]
 
 
 def _integrator_inputs(node: Node, settings: Settings) -> Iterable[int]:
@@ -247,7 +256,9 @@ def _linear_after(w: Writer) -> None:
 
 
 def _direct_linear(node: Node, settings: Settings) -> Iterable[int]:
-    if node.block.kind.startswith(("Transfer", "LTI")):
+    if node.block.kind == "LTI System":
+        return (0,) if np.any(_system(settings).matrices[3]) else ()
+    if node.block.kind.startswith("Transfer"):
         numerator, denominator = _fraction(settings)
         return (0,) if len(numerator) >= len(denominator) else ()
     if node.block.type == "ZeroPole":
@@ -257,16 +268,13 @@ def _direct_linear(node: Node, settings: Settings) -> Iterable[int]:
 
 
 def _fraction(settings: Settings) -> tuple[np.ndarray, np.ndarray]:
-    if settings.block.kind == "LTI System":
-        system = transfer_of(settings.value("sys"))
-        return system.numerator, system.denominator
     names = ("N", "D") if settings.block.type == "Reference" else ("Numerator", "Denominator")
     numerator = np.trim_zeros(settings.numbers(names[0], "[1]"), "f")
     denominator = np.trim_zeros(settings.numbers(names[1], "[1 1]"), "f")
     return (numerator if numerator.size else np.zeros(1)), denominator
 
 
-@kind("TransferFcn", "Transfer Fcn (with initial outputs)", "LTI System", finish=_linear_after,
+@kind("TransferFcn", "Transfer Fcn (with initial outputs)", finish=_linear_after,
       direct=_direct_linear, continuous=True)  # fmt: skip
 def transfer_function(w: Writer) -> None:
     """Filter by a transfer function, from rest or from a given output."""
@@ -303,6 +311,34 @@ def state_space(w: Writer) -> None:
     A, B, C, D = (np.atleast_2d(w.settings.matrix(name, "1")) for name in "ABCD")
     start = w.settings.array("X0" if w.settings.has("X0") else "InitialCondition", "0")
     _linear(w, A, B, C, D, start)
+
+
+def _system(settings: Settings) -> StateSpace:
+    try:
+        return state_space_of(settings.value("sys", "tf(1,[1 1])"))
+    except MatlabError as error:
+        raise InvalidValueError(f"{settings.about('sys')}: {error}") from None
+
+
+@kind("LTI System", finish=_linear_after, direct=_direct_linear, continuous=True)
+def linear_system(w: Writer) -> None:
+    """Filter by a linear system of the Control System Toolbox."""
+    given = w.settings.value("sys", "tf(1,[1 1])")
+    start = w.settings.array("IC", "[]")
+    system = _system(w.settings)
+    if system["Ts"]:
+        raise w.fault("has a sampled system, which does not run: give it a continuous one")
+    if isinstance(given, StateSpace):
+        _linear(w, *system.matrices, start if np.size(start) else 0.0)
+        return
+    if np.any(start):
+        raise w.fault(f"has IC {w.settings.text('IC')!r}, which runs with matrices only: use ss")
+    fraction = transfer_of(given)
+    if fraction.denominator.size == 1:
+        w.kept["linear"] = np.zeros((0, 0)), np.zeros((0, 1))
+        w.out(f"{literal(system.matrices[3].item())} * {w.numeric().code}")
+        return
+    _linear_fraction(w, fraction.numerator, fraction.denominator)
 
 
 def _initial_after(w: Writer) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind, no_inputs
+from drake_leg.simulink.running.kinds.continuous import reset_condition
 from drake_leg.simulink.running.kinds.discontinuities import limit_code, output_after
 from drake_leg.simulink.running.network import Node
 from drake_leg.simulink.running.settings import Settings, Signal, shape_of
@@ -41,9 +42,19 @@ def _queue_after(w: Writer) -> None:
     if shape_of(u.value) != shape_of(w.kept["start"]) and not isinstance(u.value, dict):
         w.pen.wanted[f"{w.node.sid}.queue"] = u.shape
     w.remember(f"({w.kept['queue']} + ({w.input(0).code},))[1:]")
+    if "reset" in w.kept:
+        w.remember(w.kept["reset"], number=1)
 
 
-@kind("Delay", finish=_queue_after, direct=no_inputs, sampled=True)
+def _reset_of(settings: Settings) -> str:
+    return settings.text("ExternalReset", "None").lower()
+
+
+def _delay_inputs(_: Node, settings: Settings) -> Iterable[int]:
+    return () if _reset_of(settings) == "none" else (1,)
+
+
+@kind("Delay", finish=_queue_after, direct=_delay_inputs, sampled=True)
 def delay(w: Writer) -> None:
     """Put out what came in several samples ago."""
     length = int(w.settings.number("DelayLength", "2"))
@@ -52,6 +63,14 @@ def delay(w: Writer) -> None:
     if shape != shape_of(start):
         start = np.broadcast_to(np.asarray(start, dtype=float), shape).copy()
     queue = w.remembered((start,) * max(length, 1))
+    if (how := _reset_of(w.settings)) != "none":
+        w.kept["reset"] = w.number(1).code
+        before = w.remembered(0.0, number=1).code
+        is_reset = reset_condition(w, how, before, w.kept["reset"])
+        if how == "level":  # also where it ends
+            is_reset = f"{is_reset} or {before} != 0.0"
+        fresh = w.constant(queue.value, "fresh")
+        queue = w.let(f"{fresh} if {is_reset} else {queue.code}", "queue")
     w.kept["queue"] = queue.code
     w.out(f"{queue.code}[0]")
     w.kept["start"] = start

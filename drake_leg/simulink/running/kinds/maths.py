@@ -8,7 +8,6 @@ import numpy as np
 
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
-from drake_leg.simulink.running.operations import REPRESENTATIONS
 from drake_leg.simulink.running.settings import as_signal
 
 _SIGNS = re.compile(r"[+\-*/]")
@@ -353,30 +352,6 @@ def diagonal(w: Writer) -> None:
     w.out(f"np.diag({w.vector().code})")
 
 
-@kind("Direction Cosine Matrix to Rotation Angles")
-def angles_of_matrix(w: Writer) -> None:
-    """Take the angles [rad] of a direction cosine matrix, in the order that is set."""
-    order = w.settings.text("rotationOrder", "ZYX")
-    code = f"angles_of({w.numeric().code}, '{order}')"
-    if len(w.node.outputs) == 1:
-        w.out(code)
-        return
-    made = w.let(code, "angles")
-    for place in range(3):
-        w.out(f"float({made.code}[{place}])", place)
-
-
-@kind("Rotation Angles to Direction Cosine Matrix")
-def matrix_of_angles(w: Writer) -> None:
-    """Make the direction cosine matrix of angles [rad]."""
-    order = w.settings.text("rotationOrder", "ZYX")
-    if w.count == 1:
-        w.out(f"cosines_of({w.vector().code}, '{order}')")
-        return
-    codes = ", ".join(w.input(place).code for place in range(3))
-    w.out(f"cosines_of(array([{codes}]), '{order}')")
-
-
 @kind("Wrap To Zero")
 def wrapped(w: Writer) -> None:
     """Put out zero above a threshold."""
@@ -400,22 +375,6 @@ def real_part(w: Writer) -> None:
         codes = {"Magnitude": both[:1], "Angle": both[1:]}.get(shown, both)
     for place, code in enumerate(codes):
         w.out(code, place)
-
-
-@kind("Coordinate Transformation Conversion")
-def transformation(w: Writer) -> None:
-    """Convert a rotation, or a pose, from one representation to another."""
-    s = w.settings
-    a, b = s.text("InputRepresentation"), s.text("OutputRepresentation")
-    orders = s.text("InputEulerSequence", "ZYX"), s.text("OutputEulerSequence", "ZYX")
-    for name in (a, b):
-        if name not in REPRESENTATIONS:
-            raise w.fault(f"converts {name!r}, which does not run")
-    inputs = ", ".join(w.numeric(place).code for place in range(w.count))
-    pose = w.let(f"pose_of({a!r}, {orders[0]!r}, {inputs})", "pose")
-    w.out(f"represented({pose.code}, {b!r}, {orders[1]!r})", 0)
-    if len(w.node.outputs) > 1:
-        w.out(f"{pose.code}[:3, 3].copy()", 1)
 
 
 @kind("Cartesian to Polar")

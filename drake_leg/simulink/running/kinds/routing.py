@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -179,15 +180,20 @@ def written_bus(signals: Mapping[str, str]) -> str:
     return text(tree)
 
 
+# Simulink's names of a signal by its place: of one without a name, and of one of several alike.
+_NUMBERED = re.compile(r"signal(?P<only>\d{1,4})|.*\(signal (?P<alike>\d{1,4})\)")
+
+
 def of_bus(w: Writer, bus: Operand, name: str) -> Operand:
     """Take a signal out of a bus by its name, in which dots lead inwards."""
     code, value = bus.code, bus.value
     for part in name.split("."):
         if not isinstance(value, dict) or part not in value:
-            numbered = part.removeprefix("signal")
+            numbered = _NUMBERED.fullmatch(part)
+            place = int(numbered["only"] or numbered["alike"]) if numbered else 0
             names = list(value) if isinstance(value, dict) else []
-            if numbered.isdigit() and 0 < int(numbered) <= len(names):
-                part = names[int(numbered) - 1]
+            if 0 < place <= len(names):
+                part = names[place - 1]
             else:
                 known = ", ".join(names[:10])
                 raise w.fault(f"selects {name!r}, but the bus has {known or 'no such signal'}")
@@ -211,7 +217,7 @@ def selector(w: Writer) -> None:
         part.strip() for part in w.settings.text("IndexOptions", "Index vector (dialog)").split(",")
     ]
     first = 1 if w.settings.text("IndexMode", "One-based") == "One-based" else 0
-    u = w.vector() if dimensions == 1 else w.numeric()
+    u = _selected_from(w) if dimensions == 1 else w.numeric()
     shape = (u.size,) if dimensions == 1 else shape_of(u.value)
     if dimensions == 2 and u.is_scalar:
         u, shape = Operand(code=f"array([[{u.code}]])", value=np.array([[u.value]])), (1, 1)
@@ -251,6 +257,13 @@ def selector(w: Writer) -> None:
     else:
         code = f"{u.code}[{', '.join(places)}]"
     w.out(f"settled({code})")
+
+
+def _selected_from(w: Writer) -> Operand:
+    """Return the vector that is selected from; where nothing is given, one of zeros."""
+    if not w.is_open(0):
+        return w.vector()
+    return w.let(f"zeros({int(w.settings.number('InputPortWidth', '3'))})", "nothing")
 
 
 def _index_texts(w: Writer, dimensions: int) -> list[str]:

@@ -70,6 +70,17 @@ def sine(w: Writer) -> None:
     w.out(f"{w.constant(amplitude)} * {function}({turned})" + _plus(w, bias))
 
 
+@kind("Sine Wave")
+def sampled_sine(w: Writer) -> None:
+    """Put out the samples of a sine, its frequency in Hz."""
+    get = w.settings.array
+    amplitude, frequency, phase = alike(
+        get("Amplitude", "1"), 2.0 * np.pi * get("Frequency", "100"), get("Phase", "0")
+    )
+    function = "np.sin" if isinstance(amplitude, np.ndarray) else "sin"
+    w.out(f"{w.constant(amplitude)} * {function}({w.constant(frequency)} * t{_plus(w, phase)})")
+
+
 def _plus(w: Writer, value: Signal) -> str:
     return f" + {w.constant(value)}" if np.any(value) else ""
 
@@ -250,6 +261,19 @@ def random(w: Writer) -> None:
         w.out(f"noise(t, {seed}, {sample}, {literal(lower)}, {literal(upper)})")
 
 
+@kind("Random Source", sample_time="SampTime")
+def random_source(w: Writer) -> None:
+    """Put out random numbers, the same in every run; they are not MATLAB's."""
+    get = w.settings.number
+    seed, sample = int(w.settings.numbers("rawSeed", "0")[0]), literal(w.period or 0.0)
+    if w.settings.text("SrcType", "Uniform") == "Uniform":
+        lower, upper = get("MinVal", "0"), get("MaxVal", "1")
+        w.out(f"noise(t, {seed}, {sample}, {literal(lower)}, {literal(upper)})")
+    else:
+        mean, variance = get("MeanVal", "0"), get("VarVal", "1")
+        w.out(f"normal_noise(t, {seed}, {sample}, {literal(mean)}, {literal(variance**0.5)})")
+
+
 @kind("Band-Limited White Noise", sample_time="Ts")
 def white_noise(w: Writer) -> None:
     """Put out random numbers of a power, the same in every run; they are not MATLAB's."""
@@ -297,15 +321,18 @@ def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray, t
     """
     from drake_leg.simulink.matlab.data import Struct, array_of
 
-    if isinstance(given, Struct) and "time" in given and "signals" in given:
+    if isinstance(given, Struct) and "Time" in given and "Data" in given:
+        times = np.asarray(array_of(given["Time"]), dtype=float).ravel()
+        values = np.asarray(array_of(given["Data"]), dtype=float)
+    elif isinstance(given, Struct) and "time" in given and "signals" in given:
         times = np.asarray(array_of(given["time"]), dtype=float).ravel()
         values = np.asarray(array_of(given["signals"]["values"]), dtype=float)
     elif isinstance(given, np.ndarray) and given.ndim == 2 and given.shape[1] > 1:
         times, values = np.asarray(given[:, 0], dtype=float), np.asarray(given[:, 1:], dtype=float)
     else:
         raise w.fault(
-            "reads a variable that is neither a matrix of time and values nor a structure with "
-            "time and signals"
+            "reads a variable that is neither a matrix of time and values, nor a timeseries, nor a "
+            "structure with time and signals"
         )
     shape = values.shape[:-1] if values.ndim == 3 else values.shape[1:]
     if values.ndim == 3:

@@ -1,0 +1,110 @@
+"""Blocks of toolboxes: linear systems, sampled sources; and what is reset or not connected."""
+
+import numpy as np
+import pytest
+from rigs import Rig, shown
+from scipy import signal
+
+from drake_leg.errors import InvalidValueError
+
+STEP = 0.1  # [s]
+
+
+def test_a_linear_system_of_matrices_starts_where_it_is_told(tmp_path):
+    """Without an input, x'' = -4 x from x = 1 is cos 2 t."""
+    rig = Rig()
+    rig.show(rig.block("cstblocks/LTI System", "free", rig.constant("0"), IC="[1;0]",
+                       sys="ss([0 1;-4 0], [0;1], [1 0;0 1], 0)"), "x")  # fmt: skip
+    run = rig.run(tmp_path, 1.0)
+    t = 2.0 * run.time
+    np.testing.assert_allclose(shown(run, "x"), np.transpose([np.cos(t), -2.0 * np.sin(t)]),
+                               atol=1e-7)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("settings", "why"),
+    [
+        ({"sys": "tf(1,[1 1])", "IC": "1"}, "IC '1', which runs with matrices only"),
+        ({"sys": "c2d(ss(-1,1,1,0), 0.1)"}, "sampled system"),
+        ({"sys": "tf([1 0 0],[1 1])"}, "numerator has a higher degree"),
+        ({"sys": "3"}, "linear system of this kind"),
+    ],
+)
+def test_a_linear_system_that_does_not_run_is_refused(settings, why, tmp_path):
+    rig = Rig()
+    rig.show(rig.block("cstblocks/LTI System", "odd", rig.constant("0"), **settings), "y")
+    with pytest.raises(InvalidValueError, match=rf"'odd' .*{why}"):
+        rig.code(tmp_path)
+
+
+def test_a_sampled_sine_has_its_frequency_in_hertz(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("dspsrcs4/Sine Wave", "sine", Amplitude="[2 3]", Frequency="0.5",
+                       Phase="0.1", SampleTime=f"{STEP}"), "y")  # fmt: skip
+    rig.show(rig.block("dspsrcs4/Random Source", "noise", SampTime=f"{STEP}", MinVal="2",
+                       MaxVal="3", rawSeed="7"), "r")  # fmt: skip
+    run = rig.run(tmp_path, 1.0)
+    at = STEP * np.floor(run.time / STEP + 1e-9)
+    expected = np.outer(np.sin(np.pi * at + 0.1), [2.0, 3.0])
+    np.testing.assert_allclose(shown(run, "y"), expected, atol=1e-12)
+    drawn = shown(run, "r")
+    assert len(set(drawn)) == 11
+    assert 2.0 <= drawn.min() < drawn.max() <= 3.0
+
+
+@pytest.mark.parametrize(
+    ("how", "resets"),
+    [("Rising", [3]), ("Level", [3, 4, 5, 6]), ("Level hold", [3, 4, 5])],
+)
+def test_a_delay_starts_again_where_it_is_reset(how, resets, tmp_path):
+    """The reset is 1 from the third to the fifth sample; a sample counts itself."""
+    rig = Rig()
+    numbers = rig.block("simulink/Sources/Counter Free-Running", "count", NumBits="8",
+                        tsamp=f"{STEP}")  # fmt: skip
+    when = rig.block("simulink/Sources/Repeating Sequence Stair", "when",
+                     OutValues="[0 0 0 1 1 1 0 0 0 0]", tsamp=f"{STEP}")  # fmt: skip
+    rig.show(rig.block("Delay", "late", numbers, when, DelayLength="2", InitialCondition="-7",
+                       ExternalReset=how), "y")  # fmt: skip
+    run = rig.run(tmp_path, 0.9)
+    queue, expected = [-7.0, -7.0], []
+    for sample in range(10):
+        if sample in resets:
+            queue = [-7.0, -7.0]
+        expected.append(queue[0])
+        queue = [queue[1], float(sample)]
+    sample = np.floor(run.time / STEP + 1e-9).astype(int)
+    np.testing.assert_array_equal(shown(run, "y"), np.array(expected)[sample])
+
+
+def test_a_selector_without_an_input_selects_zeros(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("Selector", "pick", "", InputPortWidth="9", Indices="[7 8]"), "y")
+    assert rig.values(tmp_path)["y"].tolist() == [0.0, 0.0]
+
+
+def test_a_signal_of_a_bus_is_taken_by_its_place_where_several_are_alike(tmp_path):
+    rig = Rig()
+    bus = rig.add_block("BusCreator", "bus", {"Inputs": "2"}, ports={"in": 2, "out": 1})
+    for place, value in enumerate(("5", "6"), 1):
+        rig.connect(rig.constant(value), f"{bus}#in:{place}", name="speed")
+    rig.show(rig.block("BusSelector", "pick", bus, OutputSignals="speed (signal 2)"), "y")
+    assert rig.values(tmp_path)["y"] == 6.0
+
+
+def test_a_series_comes_from_the_workspace(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("FromWorkspace", "in", VariableName="timeseries([1 3 7], [0 1 2])"), "y")
+    assert rig.values(tmp_path, 0.5)["y"] == 2.0
+
+
+def test_a_discrete_filter_of_scipy_is_that_of_a_sampled_system(tmp_path):
+    """`c2d` and a Discrete State-Space make the samples of the continuous system's step."""
+    rig = Rig()
+    system = "c2d(ss([0 1;-4 -1], [0;1], [1 0], 0), 0.1)"
+    matrices = {name: f"getfield({system}, '{name}')" for name in "ABCD"}
+    rig.show(rig.block("DiscreteStateSpace", "sampled", rig.constant("1"), SampleTime=f"{STEP}",
+                       **matrices), "y")  # fmt: skip
+    run = rig.run(tmp_path, 1.0)
+    _, y = signal.step(([1.0], [1.0, 1.0, 4.0]), T=STEP * np.arange(11))
+    sample = np.floor(run.time / STEP + 1e-9).astype(int)
+    np.testing.assert_allclose(shown(run, "y"), y[sample], atol=1e-9)
