@@ -280,7 +280,17 @@ class MovableLeg(Movable):
         return plane
 
 
-Numbers = tuple[float, float, float, int]  # l1, l2, l3 and the sign
+def rates_and_accelerations(
+    lengths: tuple[Values, Values, Values], q: Values, v: Values, a: Values
+) -> tuple[tuple[Values, ...], tuple[Values, ...]]:
+    """``J^-1 v`` and ``J^-1 (a - dJ/dt qdot)`` of many legs of sign +1, all of them arrays."""
+    leg = (*lengths, 1)
+    plane = _plane(leg, q, (np.cos, np.sin))
+    qdot = _rates(leg, plane, v)
+    return qdot, _accelerations(leg, plane, a, qdot, qdot)
+
+
+Numbers = tuple[Values, Values, Values, int]  # l1, l2, l3 and the sign
 
 
 def _plane(leg: Numbers, q: Values, functions: Functions) -> tuple[Values, ...]:

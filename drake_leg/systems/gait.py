@@ -61,16 +61,14 @@ class GaitBlock(LeafSystem):
         is_fed_back = self._levelling.HasValue(context)
         roll, pitch, up = self._levelling.Eval(context).tolist() if is_fed_back else (0.0, 0.0, 0.0)
         found: list[float] = []
-        for planned, swing, rests, x, y, z in zip(
+        for (px, py, pz), (sx, sy, sz), rests, x, y, z in zip(
             *self._planned(context), feet, feet, feet, strict=True
         ):
             pull = 0.0 if is_fed_back and rests else self._pull
             found += (
-                swing[0] - (vx + wy * z - wz * y) + pull * (planned[0] - pitch * z - x),
-                swing[1] - (vy + wz * x - wx * z) + pull * (planned[1] + roll * z - y),
-                swing[2]
-                - (vz + wx * y - wy * x)
-                + pull * (planned[2] - up - roll * y + pitch * x - z),
+                sx - (vx + wy * z - wz * y) + pull * (px - pitch * z - x),
+                sy - (vy + wz * x - wx * z) + pull * (py + roll * z - y),
+                sz - (vz + wx * y - wy * x) + pull * (pz - up - roll * y + pitch * x - z),
             )
         v.SetFromVector(found)
 

@@ -292,12 +292,15 @@ class Walk:
 
     def _foothold(self, number: Array) -> Array:
         """Where each foot stands in a cycle, (..., n, 3) [m]."""
-        cycles, which = np.unique(number, return_inverse=True)  # few, in many times
+        if not number.size:
+            return np.empty((*number.shape, 3))
+        first = number.min()
+        cycles = np.arange(first, number.max() + 1.0)  # few, in many times
         begun = cycles[:, np.newaxis] + np.array(self.gait.phases)
         X = self.level(self.begins + self.period * (begun + self.gait.duty / 2.0)).value
         feet = np.asarray(self.neutral)
         places: Array = np.einsum("...nij,nj->...ni", X[..., :3, :3], feet) + X[..., :3, 3]
-        return places[which.reshape(number.shape), np.arange(len(feet))]
+        return places[(number - first).astype(np.intp), np.arange(len(feet))]
 
 
 def smoothstep(u: Array) -> Motion:

@@ -25,8 +25,8 @@ from drake_leg.kinematics.khalil import (
 )
 from drake_leg.kinematics.leg import (
     LegGeometry,
-    MovableLeg,
     inverse_kinematics,
+    rates_and_accelerations,
     sigma_min,
 )
 from drake_leg.kinematics.walking.gaits import Motion
@@ -37,7 +37,6 @@ from drake_leg.robot.robot import Robot, require_robot
 JOINTS = ("hip", "knee", "ankle")
 STRAIGHT = 1e-9  # how far an axis may be from its direction [rad], or a foot from its plane [-]
 _KNEE_UP = (0.0, 0.0, -math.pi / 2)  # [rad], a posture of that branch, the foot before the hip
-_COSINE_AND_SINE = (np.cos, np.sin)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -213,19 +212,12 @@ class Legs:
         not finite where a leg is singular.
         """
         q = self.joints(feet.value)
-        own, (v, a) = self._own(q), feet[1:]
-        rates, accelerations = np.empty_like(q), np.empty_like(q)
+        own, v, a = (
+            tuple(np.moveaxis(part, -1, 0)) for part in (self._own(q), feet.rate, feet.acceleration)
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
-            for number, leg in enumerate(self.geometries):
-                moved = MovableLeg(leg)
-                angles, velocity, change = (
-                    tuple(np.moveaxis(part[..., number, :], -1, 0)) for part in (own, v, a)
-                )
-                rate = moved.rate_formula(angles, velocity, _COSINE_AND_SINE)
-                rates[..., number, :] = np.stack(rate, axis=-1)
-                accelerations[..., number, :] = np.stack(
-                    moved.formula(angles, change, rate, rate, _COSINE_AND_SINE), axis=-1
-                )
+            found = rates_and_accelerations(self._lengths, own, v, a)
+        rates, accelerations = (np.stack(part, axis=-1) for part in found)
         return Motion(q, self.signs * rates, self.signs * accelerations)
 
     @cached_property

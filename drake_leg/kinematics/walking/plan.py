@@ -18,7 +18,7 @@ from drake_leg.kinematics.walking.sequence import WalkSequence
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot
 
-ROWS = 512  # that are planned at once
+ROWS = 1024  # that are planned at once
 ON_TIME = 1e-6  # of a time step: how far a time may be from a multiple of it
 
 

@@ -24,7 +24,7 @@ def test_its_rates_are_those_that_move_the_foot(number):
 
 def test_signs_of_the_table_are_respected():
     leg = LEGS.movable.legs[0]
-    turned = type(leg)(leg.geometry, leg._hip, (1.0, -1.0, -1.0), leg._offsets)
+    turned = type(leg)(leg.geometry, leg.hip, (1.0, -1.0, -1.0), leg.offsets)
     q = (Q[0], -Q[1], -Q[2])
     np.testing.assert_allclose(turned.foot(q), leg.foot(Q), atol=1e-15)
     v = [0.1, -0.2, 0.3]
