@@ -17,7 +17,7 @@ from drake_leg.kinematics.walking.foresight import foresee_walk
 from drake_leg.kinematics.walking.gait import GAITS, Gait
 from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk
 from drake_leg.kinematics.walking.legs import Legs
-from drake_leg.kinematics.walking.loads import planned_forces, planned_torques
+from drake_leg.kinematics.walking.loads import outwards_on, planned_forces, planned_torques
 from drake_leg.kinematics.walking.margins import support_margin
 from drake_leg.kinematics.walking.plan import walk_of
 from drake_leg.kinematics.walking.power import cost_of_transport, electrical_power, work
@@ -59,6 +59,7 @@ __all__ = [
     "foresee_walk",
     "hexapod",
     "load_servo",
+    "outwards_on",
     "planned_forces",
     "planned_torques",
     "servo_toml",

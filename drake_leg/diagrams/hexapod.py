@@ -49,7 +49,7 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.motions import Push
 from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
-from drake_leg.kinematics.walking.loads import planned_loads
+from drake_leg.kinematics.walking.loads import outwards_on, planned_loads
 from drake_leg.kinematics.walking.plan import Plan, WalkPlan, require_phases, walk_of
 from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.sequence import WalkSequence
@@ -208,7 +208,12 @@ class HexapodConfig:
         """Torques (rows, 3 n) [N*m] of the planned load; none while a foot is out of reach."""
         x, y, z = (-self.gravity * self.X_WG[2, :3]).tolist()
         plan = PlannedWalk(
-            robot=self.robot, legs=self.legs, walk=self.walk, times=times, gravity=(x, y, z)
+            robot=self.robot,
+            legs=self.legs,
+            walk=self.walk,
+            times=times,
+            gravity=(x, y, z),
+            outwards=outwards_on(self.ground),
         )
         loads = planned_loads(plan, self.servo, inertia=self.feed_forward == FULL)
         return np.nan_to_num(loads.torques)

@@ -13,7 +13,7 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.clearance import capsules_of
 from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.legs import Legs
-from drake_leg.kinematics.walking.loads import planned_loads
+from drake_leg.kinematics.walking.loads import outwards_on, planned_loads
 from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.robot.ground import FLAT, Ground
 from drake_leg.robot.robot import Robot
@@ -75,7 +75,12 @@ class Abilities:
     def plan(self, walk: Walk, times: Array) -> PlannedWalk:
         """Let the robot follow a walk at times (rows,) [s]."""
         return PlannedWalk(
-            robot=self.robot, legs=self.legs, walk=walk, times=times, gravity=self.falling
+            robot=self.robot,
+            legs=self.legs,
+            walk=walk,
+            times=times,
+            gravity=self.falling,
+            outwards=outwards_on(self.ground),
         )
 
     def first_unmet(self, walk: Walk, times: Array, *, geometry: bool = False) -> Demand | None:

@@ -11,8 +11,9 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.gaits import Motion, in_body
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.live import LiveTorques, LiveWalk, Moment
-from drake_leg.kinematics.walking.loads import planned_loads
+from drake_leg.kinematics.walking.loads import outwards_on, planned_loads
 from drake_leg.kinematics.walking.planned import PlannedWalk
+from drake_leg.robot.ground import FLAT
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import Servo
 from drake_leg.units import STANDARD_GRAVITY
@@ -29,7 +30,12 @@ def live_torques(robot: Robot, servo: Servo, *, gravity: float = STANDARD_GRAVIT
     def torques(walk: LiveWalk, now: Moment, then: Moment) -> Array:
         instant = _Instant(walk, now, then)
         plan = PlannedWalk(
-            robot=robot, legs=legs, walk=instant, times=np.zeros(1), gravity=downwards
+            robot=robot,
+            legs=legs,
+            walk=instant,
+            times=np.zeros(1),
+            gravity=downwards,
+            outwards=outwards_on(FLAT),
         )
         return np.asarray(np.nan_to_num(planned_loads(plan, servo).torques[0]))
 

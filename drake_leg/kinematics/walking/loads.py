@@ -1,11 +1,13 @@
 """The loads of a planned walk: forces of the ground on the feet, and torques of the servos.
 
-What the links' motion and weight ask for as a whole is spread over the standing feet; then every
+What the links' motion and weight ask for as a whole is spread over the standing feet, which may
+press outwards, too, as far as the ground's friction holds them: that spares the knees. Then every
 joint carries what is beyond it in the tree, less the forces of the ground there.
 """
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -21,14 +23,17 @@ from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.power import gear_friction
 from drake_leg.kinematics.walking.sequence import WalkSequence
 from drake_leg.kinematics.walking.weights import wrenches_of_links
+from drake_leg.robot.ground import Ground
 from drake_leg.robot.robot import Robot, require_robot
 from drake_leg.robot.servos import Servo
-from drake_leg.units import STANDARD_GRAVITY
+from drake_leg.units import STANDARD_GRAVITY, require_non_negative
 
 FADING = (
     0.05  # [s], in which a foot takes its load after a touch-down, and yields it before lift-off
 )
 FEEBLE = 1e-9  # of a foot's weight, that of one that has just touched down: all may do so at once
+OUTWARDS = 0.25  # of the friction that a slope leaves, with which feet press outwards
+MOST_FRICTION = 1.0  # that counts: much more would load the ankles more than it spares the knees
 FLAT = (
     1e-12  # of the feet's extent cubed: below it they are on a line, and carry no moment about it
 )
@@ -41,6 +46,13 @@ class Loads(NamedTuple):
     torques: Array  # (..., 3 n) [N*m], at the actuators, in the order of the joints
 
 
+def outwards_on(ground: Ground) -> float:
+    """How much of its load a foot may press outwards from its hip on a ground [-]."""
+    up = ground.X_WG[2][2]
+    slope = math.sqrt(max(0.0, 1.0 - up * up)) / up
+    return OUTWARDS * max(0.0, min(ground.friction, MOST_FRICTION) - slope)
+
+
 def planned_torques(
     robot: Robot,
     walk: Walk | WalkSequence,
@@ -49,6 +61,7 @@ def planned_torques(
     *,
     gravity: float | ArrayLike = STANDARD_GRAVITY,
     inertia: bool = True,
+    outwards: float = 0.0,
 ) -> Array:
     """Torques that make a robot follow a walk, (rows, 3 n) [N*m]: a feed-forward for its servos.
 
@@ -61,13 +74,16 @@ def planned_torques(
     inertia : bool
         Whether body, links and rotors are accelerated; otherwise weights, and what depends on
         speed, count alone.
+    outwards : float
+        How much of its vertical load each standing foot presses outwards from its hip, as
+        ``outwards_on(ground)``.
 
     Raises
     ------
     InvalidValueError
         If a foot is out of reach; it says which, and when.
     """
-    plan = _plan(robot, walk, times, gravity)
+    plan = _plan(robot, walk, times, gravity, outwards)
     torques = planned_loads(plan, servo, inertia=inertia).torques
     _require_reach(plan)
     return torques
@@ -80,9 +96,10 @@ def planned_forces(
     *,
     gravity: float | ArrayLike = STANDARD_GRAVITY,
     inertia: bool = True,
+    outwards: float = 0.0,
 ) -> Array:
     """Forces of the ground on the feet, (rows, n, 3) [N], in G; as ``planned_torques``."""
-    plan = _plan(robot, walk, times, gravity)
+    plan = _plan(robot, walk, times, gravity, outwards)
     forces, *_ = _loads_of_links(plan, inertia=inertia)
     _require_reach(plan)
     return forces
@@ -158,10 +175,26 @@ def _loads_of_links(plan: PlannedWalk, *, inertia: bool) -> tuple[Array, Array, 
     tips = list(plan.robot.tips.values())
     feet = plan.links.value[..., :3, 3][..., tips, :]
     weights = np.maximum(plan.walk.firmness(plan.times, FADING), FEEBLE * plan.down)
-    forces = spread(feet, weights, moment.sum(axis=-2), force.sum(axis=-2))
+    M, F = moment.sum(axis=-2), force.sum(axis=-2)
+    forces = spread(feet, weights, M, F)
+    if plan.outwards:
+        inwards = _held_inwards(plan, feet, forces)
+        rest = M - np.cross(feet, inwards).sum(axis=-2), F - inwards.sum(axis=-2)
+        forces = inwards + spread(feet, weights, *rest)
     moment[..., tips, :] -= np.cross(feet, forces)
     force[..., tips, :] -= forces
     return forces, moment, force
+
+
+def _held_inwards(plan: PlannedWalk, feet: Array, forces: Array) -> Array:
+    """Forces along the ground, (..., n, 3) [N], on feet that press outwards from their hips."""
+    X_GB = plan.body.value[..., np.newaxis, :, :]
+    hips = np.einsum("...ij,...j->...i", X_GB[..., :3, :3], plan.legs.hips) + X_GB[..., :3, 3]
+    out = (feet - hips) * (1.0, 1.0, 0.0)
+    far = np.linalg.norm(out, axis=-1, keepdims=True)
+    out /= np.where(far > 0.0, far, 1.0)
+    pressed = np.maximum(forces[..., 2:], 0.0)
+    return np.asarray(-plan.outwards * pressed * out)
 
 
 @lru_cache(maxsize=8)
@@ -180,10 +213,15 @@ def _legs(robot: Robot) -> Legs:
 
 
 def _plan(
-    robot: Robot, walk: Walk | WalkSequence, times: ArrayLike, gravity: float | ArrayLike
+    robot: Robot,
+    walk: Walk | WalkSequence,
+    times: ArrayLike,
+    gravity: float | ArrayLike,
+    outwards: float,
 ) -> PlannedWalk:
     require_robot(robot)
     require_kind("the walk", walk, Walk, WalkSequence)
+    require_non_negative("what feet press outwards", outwards, "of their load")
     vector = real_numbers("gravity", gravity)
     if vector.ndim == 0:
         vector = np.array([0.0, 0.0, -float(vector)])
@@ -194,6 +232,7 @@ def _plan(
         walk=walk,
         times=real_numbers("the times", times),
         gravity=(x, y, z),
+        outwards=outwards,
     )
 
 

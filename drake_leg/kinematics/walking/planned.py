@@ -72,6 +72,7 @@ class PlannedWalk:
     walk: Paths
     times: Array  # (rows,) [s]
     gravity: tuple[float, float, float] = DOWNWARDS  # [m/s^2], in G
+    outwards: float = 0.0  # of its load, that a standing foot presses outwards from its hip [-]
 
     @cached_property
     def body(self) -> Motion:

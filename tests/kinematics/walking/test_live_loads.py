@@ -7,13 +7,15 @@ from drake_leg.kinematics.walking.gait import GAITS
 from drake_leg.kinematics.walking.gaits import Command, Walk
 from drake_leg.kinematics.walking.live import HELD, LiveWalk
 from drake_leg.kinematics.walking.live_loads import live_torques
-from drake_leg.kinematics.walking.loads import planned_torques
+from drake_leg.kinematics.walking.loads import outwards_on, planned_torques
 from drake_leg.kinematics.walking.plan import walk_of
+from drake_leg.robot.ground import FLAT
 from drake_leg.robot.hexapods import HEIGHT, HEXABOT
 from drake_leg.robot.servos import IDEAL
 
 STEP = 0.005
 STANDS = walk_of(HEXABOT)
+OUTWARDS = outwards_on(FLAT)
 LOADS = live_torques(HEXABOT, IDEAL)
 
 
@@ -30,7 +32,7 @@ def live(torques=None):
 
 def test_at_rest_it_carries_the_weight_as_the_plan_does():
     row = live(LOADS).at(0.0)
-    (planned,) = planned_torques(HEXABOT, STANDS, [0.0], IDEAL)
+    (planned,) = planned_torques(HEXABOT, STANDS, [0.0], IDEAL, outwards=OUTWARDS)
     np.testing.assert_allclose(row.torques, planned, atol=1e-12)
 
 
@@ -55,7 +57,8 @@ def test_with_a_constant_command_it_is_that_of_the_planned_walk():
         commands=(command,),
         attitudes=STANDS.attitudes,
     )
-    planned = planned_torques(HEXABOT, planned_walk, np.array(times) + 16.0, IDEAL)
+    times = np.array(times) + 16.0
+    planned = planned_torques(HEXABOT, planned_walk, times, IDEAL, outwards=OUTWARDS)
     off = np.abs(np.array(found) - planned)
     assert np.abs(planned).max() > 0.8
     assert np.sqrt((off**2).mean()) < 0.01

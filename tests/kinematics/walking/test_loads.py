@@ -17,6 +17,7 @@ from drake_leg.kinematics.walking.gaits import Attitude, Command, Motion, Walk
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.loads import (
     FADING,
+    outwards_on,
     planned_forces,
     planned_loads,
     planned_torques,
@@ -25,6 +26,7 @@ from drake_leg.kinematics.walking.loads import (
 from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.weights import link_motions, pseudo_inertias, total_mass
 from drake_leg.models.plant import build_plant
+from drake_leg.robot.ground import Ground
 from drake_leg.robot.hexapods import HEXABOT, PHANTOMX
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.servos import IDEAL, XL430
@@ -49,10 +51,10 @@ def walking(robot, *commands, attitudes=(), gait="tripod", **others):
     )  # fmt: skip
 
 
-def planned(robot, times, *commands, gravity=(0.0, 0.0, -STANDARD_GRAVITY), **others):
+def planned(robot, times, *commands, gravity=(0.0, 0.0, -STANDARD_GRAVITY), outwards=0.0, **others):
     return PlannedWalk(
         robot=robot, legs=Legs.of(robot), walk=walking(robot, *commands, **others),
-        times=np.asarray(times), gravity=gravity,
+        times=np.asarray(times), gravity=gravity, outwards=outwards,
     )  # fmt: skip
 
 
@@ -68,7 +70,8 @@ def of_spin(M):
 @each_robot
 def test_drake_needs_the_planned_torques_and_nothing_at_the_floating_base(robot):
     # In the overlap of the tripods, while all feet take over load, and on three feet; on a slope.
-    plan = planned(robot, [1.93, 2.02, 2.31, 2.77], ARC, attitudes=[LEANING], gravity=ON_SLOPE)
+    times = [1.93, 2.02, 2.31, 2.77]
+    plan = planned(robot, times, ARC, attitudes=[LEANING], gravity=ON_SLOPE, outwards=0.2)
     forces, torques = planned_loads(plan, IDEAL)
     own = torques - servo_torques(plan, IDEAL)
     plant = build_plant(robot)
@@ -204,6 +207,32 @@ def test_forces_are_the_least_that_make_up_a_wrench():
         root = np.sqrt(np.repeat(w, 3))
         least, *_ = np.linalg.lstsq(grasp * root, np.r_[F, M], rcond=None)
         assert f.ravel() == pytest.approx(root * least)
+
+
+@each_robot
+def test_feet_that_press_outwards_spare_the_knees(robot):
+    down, feet, loads = [], [], []
+    for outwards in (0.0, 0.2):
+        plan = planned(robot, [1.75], CREEPING, lift=0.0, outwards=outwards)
+        loads.append([part[0] for part in planned_loads(plan, IDEAL, inertia=False)])
+        down, feet = plan.down[0], plan.feet.value[0]
+    (flat, before), (arched, after) = loads
+    assert arched[:, 2] == pytest.approx(flat[:, 2])  # no leg carries another one's part
+    assert (arched[~down] == 0.0).all()
+    out = (feet - Legs.of(robot).hips)[:, :2]
+    inwards = -(arched[:, :2] * out).sum(axis=1)[down] / np.hypot(*out.T)[down]
+    assert inwards == pytest.approx(0.2 * arched[down, 2], rel=0.15)  # less what they leave over
+    assert np.abs(after[1::3]).max() < 0.95 * np.abs(before[1::3]).max()
+
+
+def test_a_slope_leaves_less_friction_to_press_outwards_with():
+    level = outwards_on(Ground())
+    assert level == pytest.approx(0.25 * 0.8)
+    assert outwards_on(Ground(slope=math.radians(10.0))) == pytest.approx(
+        level - 0.25 * math.tan(math.radians(10.0))
+    )
+    assert outwards_on(Ground(friction=0.1, slope=math.radians(10.0))) == 0.0
+    assert outwards_on(Ground(friction=9.0)) == 0.25
 
 
 def test_two_feet_carry_no_moment_about_their_line_and_none_carry_nothing():
