@@ -300,7 +300,8 @@ class Walk:
         X = self.level(self.begins + self.period * (begun + self.gait.duty / 2.0)).value
         feet = np.asarray(self.neutral)
         places: Array = np.einsum("...nij,nj->...ni", X[..., :3, :3], feet) + X[..., :3, 3]
-        return places[(number - first).astype(np.intp), np.arange(len(feet))]
+        found: Array = places[(number - first).astype(np.intp), np.arange(len(feet))]
+        return found
 
 
 def smoothstep(u: Array) -> Motion:
