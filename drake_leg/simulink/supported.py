@@ -67,7 +67,7 @@ _PARTS = {
     "Mechanism Configuration": "gravity",
     "Graphic": "nothing: it has no mass",
     "Inertia": "mass and inertia of a body",
-    "File Solid": "a body of given mass, or that of an STL file; its shape is shown by trimesh",
+    "File Solid": "a body of given mass, or that of an STL or STEP file; trimesh shows its shape",
     "Solid": "as Brick, Cylindrical, Spherical, Ellipsoidal, Extruded, Revolved, File Solid",
     "Weld Joint": "two frames of one body; one that senses is a fixed joint",
     "Lead Screw Joint": "a screw joint along z",

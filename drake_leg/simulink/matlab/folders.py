@@ -19,6 +19,7 @@ from drake_leg.simulink.matlab.syntax import tokenize
 
 SCRIPTS = (".mlx", ".m")  # of two in one folder, the first is taken
 MODELS = (".slx", ".mdl")
+GEOMETRY = (".stl", ".step", ".stp")
 SCRIPT_BYTES = 5_000_000
 MOST_FILES = 50_000  # files and folders that are looked through
 _LONGEST = 500  # letters of a file's name
@@ -72,6 +73,14 @@ class Folders:
     def file(self, name: str, beside: Path | None = None) -> Path | None:
         """Find a file by its bare name."""
         return self._first((name,), beside)
+
+    def geometry(self, name: str) -> Path | None:
+        """Find a file of geometry by its bare name, in small or large letters, as on Windows."""
+        found = self.file(name)
+        if found is None and name.lower().endswith(GEOMETRY):
+            alike = (path for path in self.ending("") if path.name.lower() == name.lower())
+            found = next(alike, None)
+        return found
 
     def code(self, name: str, beside: Path | None = None) -> Path | None:
         """Find a script or function by its name, with or without the ending of its file."""
@@ -209,7 +218,7 @@ def _walked(root: Path) -> Iterator[Path]:
                 if entry.is_dir():
                     if not entry.name.startswith((".", "@")) and entry.name not in _LEFT_OUT:
                         below.append(entry)
-                elif entry.suffix.lower() in (*SCRIPTS, ".mat", ".stl", *MODELS):
+                elif entry.suffix.lower() in (*SCRIPTS, ".mat", *GEOMETRY, *MODELS):
                     yield entry
         folders = below
 

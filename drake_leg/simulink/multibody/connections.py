@@ -141,7 +141,7 @@ class _Reading:
     def __init__(self, model: Model) -> None:
         flat = physical_part(model)
         self._blocks = flat.blocks
-        self._find = model.variables.workspace.folders.file if model.variables else None
+        self._find = model.variables.workspace.folders.geometry if model.variables else None
         self._network: PhysicalNetwork = network_of(flat)
         self._problems: dict[str, None] = {}
         self._mechanical = self._at_frames()

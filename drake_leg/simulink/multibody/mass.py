@@ -138,6 +138,15 @@ def of_mass(properties: MassProperties, mass: float) -> MassProperties:
     return MassProperties(mass=mass, center=properties.center, inertia=properties.inertia * scale)
 
 
+def scaled(properties: MassProperties, scale: float, density: float) -> MassProperties:
+    """Return the properties of a solid of density 1 at another scale and density [kg/m^3]."""
+    return MassProperties(
+        mass=density * scale**3 * properties.mass,
+        center=scale * properties.center,
+        inertia=density * scale**5 * properties.inertia,
+    )
+
+
 def composed(parts: Sequence[tuple[MassProperties, Array]]) -> MassProperties:
     """Return the properties, in B, of solids with poses X_BR, (4, 4) [m]."""
     mass = sum(part.mass for part, _ in parts)

@@ -12,15 +12,16 @@ from pathlib import Path, PureWindowsPath
 
 import numpy as np
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.linking import files_in
 from drake_leg.simulink.multibody.bodies import Mechanism
 from drake_leg.simulink.multibody.mass import Array
 from drake_leg.simulink.multibody.naming import Once, word
 from drake_leg.simulink.multibody.solids import Extrusion, FileShape, Revolution, Solid
+from drake_leg.simulink.multibody.step import ENDINGS as STEP_ENDINGS
 
 ARC = math.tau / 48  # [rad], of a facet of a revolution
-STEP = (".step", ".stp")  # in meters once they are read
-ENDINGS = (".stl", ".obj", ".ply", *STEP)
+ENDINGS = (".stl", ".obj", ".ply", *STEP_ENDINGS)
 
 Triangle = tuple[int, int, int]
 
@@ -80,13 +81,17 @@ class FileMeshes:
         if place is None:
             found.missing += [name] if name not in found.missing else []
             return None
-        key = place, shape.unit
+        try:
+            key = place, shape.scale(place)
+        except InvalidValueError as error:
+            found.unread[name] = error.problem
+            return None
         if key not in self._meshes:
-            self._meshes[key] = _read(place, shape.unit, found)
+            self._meshes[key] = _read(*key, found)
         return self._meshes[key]
 
 
-def _read(path: Path, unit: float, found: Meshes) -> tuple[Array, list[Triangle]] | None:
+def _read(path: Path, scale: float, found: Meshes) -> tuple[Array, list[Triangle]] | None:
     try:
         import trimesh
     except ImportError:
@@ -97,7 +102,6 @@ def _read(path: Path, unit: float, found: Meshes) -> tuple[Array, list[Triangle]
         if not len(loaded.faces):
             found.unread[path.name] = "it holds no triangle"
             return None
-        scale = 1.0 if path.suffix.lower() in STEP else unit
         return scale * np.asarray(loaded.vertices, dtype=float), loaded.faces.tolist()
     except Exception as error:  # a damaged file may raise anything
         found.unread[path.name] = " ".join(str(error).split())[:100]

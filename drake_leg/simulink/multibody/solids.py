@@ -23,6 +23,8 @@ from drake_leg.simulink.multibody.features import (
 )
 from drake_leg.simulink.multibody.frames import read_frames
 from drake_leg.simulink.multibody.mass import Array, MassProperties
+from drake_leg.simulink.multibody.step import ENDINGS as STEP_ENDINGS
+from drake_leg.simulink.multibody.step import properties_of_step, unit_of_step
 from drake_leg.simulink.multibody.stl import is_closed, of_mesh, read_stl
 from drake_leg.units import parse_unit
 
@@ -121,24 +123,48 @@ class FileShape:
     """What a file of geometry holds, in R."""
 
     file: str
-    unit: float  # [m]
+    unit: float  # of its numbers [m]
+    own_unit: bool = False  # whether the unit is the one that the file states, where it does
     place: Path | None = None  # where it lies
 
     def properties(self, density: float) -> MassProperties:
-        """Return the mass properties in R, of a density [kg/m^3]; an STL file's are exact."""
-        if PureWindowsPath(self.file).suffix.lower() != ".stl":
+        """Return the mass properties in R, of a density [kg/m^3], exact for what the file holds."""
+        ending = PureWindowsPath(self.file).suffix.lower()
+        if ending not in (".stl", *STEP_ENDINGS):
             raise self._without("which is not read")
         if self.place is None:
             raise self._without("which lies nowhere in the given folders")
+        if ending in STEP_ENDINGS:
+            return self._of_step(self.place, density)
         corners = read_stl(self.place)
         if not is_closed(corners):
             raise self._without("whose surface is not closed")
         return of_mesh(self.unit * corners, density)
 
-    def _without(self, why: str) -> InvalidValueError:
+    def _of_step(self, place: Path, density: float) -> MassProperties:
+        try:
+            return mass.scaled(properties_of_step(place), self.scale(place), density)
+        except InvalidValueError as error:
+            raise self._without(error.problem, error.advice) from None
+
+    def scale(self, place: Path) -> float:
+        """Return the factor of the lengths in a file at a place, as it is read, to meters.
+
+        A STEP file is read in meters.
+
+        Raises
+        ------
+        InvalidValueError
+            If the file's own unit is not known, and another one is set.
+        """
+        if place.suffix.lower() not in STEP_ENDINGS:
+            return self.unit
+        return 1.0 if self.own_unit else self.unit / unit_of_step(place)
+
+    def _without(self, why: str, advice: str = "") -> InvalidValueError:
+        custom = "set its inertia to Custom, with the numbers of its CAD program"
         return InvalidValueError(
-            f"it has its mass from the geometry of {self.file!r}, {why}: set its inertia to "
-            "Custom, with the numbers of its CAD program"
+            f"it has its mass from the geometry of {self.file!r}, {why}", advice=advice or custom
         )
 
     def feature(self, name: str) -> Feature:
@@ -202,8 +228,11 @@ class Solid:
         shape = self.shape
         assert shape is not None, self.block.kind
         try:
-            if self.block.parameters.get("BasedOnType", "Density") == "Mass":
+            based = self.block.parameters.get("BasedOnType", "Density")
+            if based == "Mass":
                 return mass.of_mass(shape.properties(1.0), self._number("Mass"))
+            if based == "DensityFromFile":
+                raise InvalidValueError("it has its density from its file: set its density")
             return shape.properties(self._number("Density"))
         except UnknownValueError:
             raise
@@ -287,10 +316,11 @@ class Solid:
 
 
 def _of(block: Block, error: InvalidValueError) -> InvalidValueError:
-    """Say of which block an error speaks."""
-    return InvalidValueError(
-        f"the block {block.name!r} (SID {block.sid}): {error.problem}", advice=error.advice
-    )
+    """Say of which block an error speaks, once."""
+    about = f"the block {block.name!r} (SID {block.sid})"
+    if error.problem.startswith(about):
+        return error
+    return InvalidValueError(f"{about}: {error.problem}", advice=error.advice)
 
 
 # --- dimensions ------------------------------------------------------------------------------
@@ -334,7 +364,8 @@ def _shape(block: Block, find: Find | None) -> Shape | None:
         unit = parse_unit(str(block.parameters.get("ExtGeomFileUnits") or "m"))
         file = str(block.parameters.get("ExtGeomFileName", ""))
         place = find(PureWindowsPath(file).name) if find else None
-        return FileShape(file=file, unit=float(unit.factor), place=place)
+        own_unit = block.parameters.get("UnitType") != "Custom"
+        return FileShape(file=file, unit=float(unit.factor), own_unit=own_unit, place=place)
     raise InvalidValueError(
         f"the block {block.name!r} (SID {block.sid}) is a {block.kind} {kind}, which is not built: "
         "replace it by a solid of another shape"

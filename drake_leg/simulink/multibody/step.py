@@ -1,0 +1,102 @@
+"""Mass of what a STEP file holds, by integrals over its exact surfaces."""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.multibody.mass import MassProperties
+
+ENDINGS = (".step", ".stp")
+MOST_BYTES = 200_000_000
+ACCURACY = 1e-12  # of the volume, to which the integrals are refined
+_METERS = {"INCH": 0.0254, "FOOT": 0.3048}
+_PREFIXES = {"$": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "MICRO": 1e-6}
+_CONVERTED = re.compile(rb"CONVERSION_BASED_UNIT\s*\(\s*'(\w+)'")
+_SI = re.compile(rb"SI_UNIT\s*\(\s*(\$|\.\w+\.)\s*,\s*\.METRE\.\s*\)")
+
+
+def properties_of_step(path: Path) -> MassProperties:
+    """Return the properties of the solids of a STEP file, of a density of 1 kg/m^3.
+
+    Its own unit is heeded.
+
+    Raises
+    ------
+    InvalidValueError
+        If it cannot be read, or holds no closed solid.
+    """
+    try:
+        stat = path.stat()
+    except OSError as error:
+        raise InvalidValueError(f"{path.name!r} cannot be read ({error.strerror})") from None
+    if stat.st_size > MOST_BYTES:
+        raise InvalidValueError(f"{path.name!r} has more than {MOST_BYTES:,} bytes")
+    return _read(path, stat.st_mtime_ns)
+
+
+@lru_cache(maxsize=128)
+def _read(path: Path, _: int) -> MassProperties:
+    try:
+        from OCP.IFSelect import IFSelect_ReturnStatus
+        from OCP.Interface import Interface_Static
+        from OCP.Message import Message
+        from OCP.STEPControl import STEPControl_Reader
+    except ImportError:
+        raise InvalidValueError(
+            "which takes Open CASCADE to read", advice="pip install 'drake-leg[cad]'"
+        ) from None
+    Message.DefaultMessenger_s().ChangePrinters().Clear()
+    reader = STEPControl_Reader()
+    Interface_Static.SetCVal_s("xstep.cascade.unit", "M")
+    done = IFSelect_ReturnStatus.IFSelect_RetDone
+    if reader.ReadFile(str(path)) != done or not reader.TransferRoots():
+        raise InvalidValueError("which is damaged")
+    return _properties(reader.OneShape())
+
+
+def _properties(shape: Any) -> MassProperties:  # noqa: ANN401 - of Open CASCADE
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+    from OCP.TopAbs import TopAbs_ShapeEnum as Kind
+    from OCP.TopExp import TopExp_Explorer
+
+    if not TopExp_Explorer(shape, Kind.TopAbs_SOLID).More():
+        raise InvalidValueError("whose surface is not closed")
+    found = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, found, ACCURACY)
+    center, inertia = found.CentreOfMass(), found.MatrixOfInertia()
+    volume = float(found.Mass())
+    if not volume:
+        raise InvalidValueError("whose surface encloses nothing")
+    sign = 1.0 if volume > 0.0 else -1.0
+    rows = [[inertia.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)]
+    return MassProperties(
+        mass=sign * volume,
+        center=np.array([center.X(), center.Y(), center.Z()]),
+        inertia=sign * np.array(rows),
+    )
+
+
+def unit_of_step(path: Path) -> float:
+    """Read the unit of the lengths in a STEP file [m].
+
+    Raises
+    ------
+    InvalidValueError
+        If it has none, several, or another one.
+    """
+    text = path.read_bytes()
+    names = {found.decode().upper() for found in _CONVERTED.findall(text)}
+    lengths = {_METERS[name] for name in names if name in _METERS}
+    lengths = lengths or {
+        _PREFIXES.get(found.decode().strip(".").upper(), 0.0) for found in _SI.findall(text)
+    }
+    if len(lengths) != 1 or 0.0 in lengths:
+        raise InvalidValueError("whose own unit is not known")
+    return lengths.pop()
