@@ -17,6 +17,7 @@ LOOK = 8  # implicit steps after which the method is reconsidered
 BETTER = 1.5  # times further an evaluation must lead by explicit steps
 PATIENCE, MOST_PATIENCE = 15, 2000  # explicit steps whose length is bounded by what is fast
 FREE = 6  # steps after one another that are not, and let the others be forgotten
+NO_STEP = 4.0 * np.finfo(float).eps  # of the time: an end so near is reached without a step
 ALARM = 8.0  # times a step, up to which what is fast really bounds it
 
 
@@ -82,6 +83,11 @@ class Solution:
         """
         t, x, last = self.t, self.x, math.nextafter(end, -math.inf)
         method: Rosenbrock | DormandPrince = self._method
+        if end - t <= NO_STEP * abs(end):
+            self._from, self._before, self._to, self._after = t, x, end, x
+            self.t = end
+            method.forget()
+            return
 
         def rates(time: float, states: Array) -> Array:
             return self._rates(min(time, last), states)
@@ -98,8 +104,10 @@ class Solution:
                 self._step = LEAST * h
             else:
                 change = min(MOST, max(LEAST, SAFETY * max(worst, 1e-12) ** (-1.0 / ORDER)))
-                self._step = min(h * change, self._longest)
-                if worst <= 1.0:
+                is_good = worst <= 1.0
+                planned = self._step if whole and is_good else 0.0  # the end cut it short
+                self._step = min(max(h * change, planned), self._longest)
+                if is_good:
                     break
         self._from, self._before, self._stepped = t, x, method
         self.t = self._to = end if whole else t + h
@@ -132,7 +140,7 @@ class Solution:
 
     def at(self, time: float) -> Array:
         """Return the states at a time within the last step."""
-        if time == self.t:
+        if time == self.t or self._after is self._before:
             return self.x
         share = (time - self._from) / (self._to - self._from)
         return self._stepped.between(share, self._before, self._after)

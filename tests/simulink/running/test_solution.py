@@ -67,6 +67,27 @@ def test_the_accuracy_is_kept(accuracy):
     assert np.abs(solution.x - exact.y[:, -1]).max() < 3.0 * accuracy
 
 
+@pytest.mark.parametrize(("rates", "x"), [(swing, [1.0, 0.0]), (lag, [0.0])])
+def test_ends_that_differ_by_rounding_cost_no_steps(rates, x):
+    """A step to such an end, and a step as short behind it, would be too short to go on."""
+    corners = [np.nextafter(at, 2.0) if late else at for at in (0.3, 0.7) for late in (0, 1)]
+    solution = solved(rates, x, 1.0, 1e-6, corners=corners)
+    assert solution.x == pytest.approx(solved(rates, x, 1.0, 1e-9).x, abs=1e-5)
+    assert solution.steps <= solved(rates, x, 1.0, 1e-6, corners=(0.3, 0.7)).steps + 2
+
+
+@pytest.mark.parametrize("method", ["rodas5p", "dopri5"])
+def test_states_before_a_cut_are_those_of_the_whole_step(method):
+    solution = Solution(
+        swing, 0.0, np.array([1.0, 0.0]), accuracy=1e-6, longest=1.0, shortest=1e-10
+    )
+    solution._choose({"rodas5p": solution._implicit, "dopri5": solution._explicit}[method], 0.1)
+    solution.step(1.0)
+    whole = solution.at(0.3 * solution.t)
+    solution.cut(0.6 * solution.t)
+    assert solution.at(0.5 * solution.t) == pytest.approx(whole, abs=1e-12)
+
+
 def test_stiff_equations_take_long_steps():
     """Its time constant is 1 us; explicit steps would be millions."""
     solution = solved(lag, [0.0], 10.0, 1e-6)
