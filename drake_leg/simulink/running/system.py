@@ -272,13 +272,19 @@ class SignalSystem(LeafSystem):
         """
         context = self.GetMyMutableContextFromRoot(root)
         time, (_, _, memory) = context.get_time(), self._own(context)
-        samples = self.base is not None and next_hit(self.base, time) and memory.sampled != time
+        samples = self.base is not None and next_hit(self.base, time)
+        samples = samples and not self._is_sampled(memory, time)
         steps = self.code.has_major and memory.stepped != time
         if samples:
             self._sample(context, context.get_mutable_state())
         if steps:
             self._step(context, context.get_mutable_state())
         return samples or steps
+
+    def _is_sampled(self, memory: Memory, time: float) -> bool:
+        """Tell whether a sample time was met before, at a time that differs by rounding at most."""
+        period = self.base[0] if self.base else math.inf
+        return memory.sampled is not None and abs(time - memory.sampled) < 0.5 * period
 
     def _sample(self, context: Context, state: State) -> EventStatus:
         hits = [next_hit(rate, self._time(context)) for rate in self.code.rates]
@@ -292,7 +298,7 @@ class SignalSystem(LeafSystem):
     ) -> EventStatus:
         held = state.get_abstract_state().get_value(int(self._memory)).get_value()
         now = context.get_time()
-        if now == (held.stepped if step else held.sampled):
+        if (now == held.stepped) if step else self._is_sampled(held, now):
             return EventStatus.DidNothing()  # it happened before, at the same time
         t, _, _, sensed, efforts = self._read(context)
         x = state.get_continuous_state().CopyToVector().tolist()  # another event may have set it
