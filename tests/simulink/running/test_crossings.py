@@ -96,6 +96,74 @@ def test_a_stop_ends_the_run_where_its_signal_changes(tmp_path):
     assert run.ended == pytest.approx(1.0, abs=1e-9)
 
 
+def triggered(rig, signal, how):
+    """Show the time at which a subsystem was triggered last."""
+    system = rig.add_block("SubSystem", f"by {how}", ports={"out": 1, "trigger": 1})
+    rig.add_block("TriggerPort", "gate", {"TriggerType": how}, system=system)
+    clock = rig.block("Clock", "clock inside", system=system)
+    out = rig.add_block("Outport", "out", {"Port": "1"}, system=system, ports={"in": 1})
+    rig.connect(clock, out)
+    rig.connect(signal, f"{system}#trigger")
+    rig.show(system, f"by {how}")
+
+
+# Times after which 1 falls to 0, rises to 1, or does either, of pulses of 0.2 s in 0.5 s.
+EDGES = {"rising": (0.5,), "falling": (0.2,), "either": (0.2, 0.5)}
+
+
+@pytest.mark.parametrize("how", EDGES)
+@pytest.mark.parametrize("sampled", [True, False])
+def test_pulses_reset_and_trigger_where_they_come_to_zero_and_leave_it(how, sampled, tmp_path):
+    """A sampled pulse has its corners at sample times but for rounding, which are no two times."""
+    rig = Rig()
+    given = {"PulseType": "Sample based", "Period": "5", "PulseWidth": "2", "SampleTime": "0.1"}
+    pulse = rig.block("DiscretePulseGenerator", "pulse",
+                      **(given if sampled else {"Period": "0.5", "PulseWidth": "40"}))  # fmt: skip
+    rig.show(rig.block("Integrator", "x", rig.constant("1"), pulse, ExternalReset=how), "x")
+    triggered(rig, pulse, how)
+    rig.show(rig.block("UnitDelay", "late", rig.block("Clock", "clock"), SampleTime="0.1"), "late")
+    run = rig.run(tmp_path, 2.0, accuracy=1e-6)
+    t = run.time
+    edges = np.sort([n * 0.5 + edge for n in range(4) for edge in EDGES[how]])
+    last = np.append(0.0, edges)[np.searchsorted(edges, t + 1e-9)]
+    assert shown(run, "x") == pytest.approx(t - last, abs=1e-9)
+    assert shown(run, f"by {how}") == pytest.approx(last, abs=1e-9)
+    ticks = np.floor(t / 0.1 + 1e-6)
+    assert shown(run, "late") == pytest.approx(np.maximum(ticks - 1.0, 0.0) * 0.1, abs=1e-9)
+    assert "dopri5" in run.integrator  # own steps go on past corners that differ by rounding
+
+
+def test_a_level_resets_while_it_is_there_and_where_it_ends(tmp_path):
+    rig = Rig()
+    pulse = rig.block("DiscretePulseGenerator", "pulse", Period="1", PulseWidth="30")
+    for how in ("level", "level hold"):
+        rig.show(rig.block("Integrator", how, rig.constant("1"), pulse, ExternalReset=how), how)
+    run = rig.run(tmp_path, 0.9, accuracy=1e-6)
+    after = run.time > 0.3
+    assert shown(run, "level")[after] == pytest.approx(run.time[after] - 0.3, abs=1e-9)
+    assert np.all(shown(run, "level hold")[~after] < 0.9 / 50 + 1e-9)
+
+
+@pytest.mark.parametrize(("how", "gain"), [("rising", "1"), ("falling", "-1"), ("either", "1")])
+def test_a_signal_that_goes_on_past_zero_triggers_once(how, gain, tmp_path):
+    """A step ends where it is 0 exactly; the next one leads past it."""
+    rig = Rig()
+    late = rig.block("Bias", "late", rig.block("Clock", "clock"), Bias="-0.25")
+    triggered(rig, rig.block("Gain", "turned", late, Gain=gain), how)
+    assert shown(rig.run(tmp_path), f"by {how}")[-1] == 0.25
+
+
+def test_a_signal_that_rests_at_zero_triggers_where_it_comes_and_where_it_goes(tmp_path):
+    rig = Rig()
+    stairs = rig.block("simulink/Sources/Repeating Sequence Stair", "stairs",
+                       OutValues="[-1 0 0 1]", tsamp="0.1")  # fmt: skip
+    triggered(rig, stairs, "rising")
+    run = rig.run(tmp_path, 0.39)
+    found = shown(run, "by rising")
+    assert found[(run.time > 0.1) & (run.time < 0.299)] == pytest.approx(0.1, abs=1e-9)
+    assert found[run.time > 0.301] == pytest.approx(0.3, abs=1e-9)
+
+
 @pytest.mark.parametrize("integrates", [True, False])
 def test_a_stop_that_is_on_ends_the_run_at_its_start(integrates, tmp_path):
     rig = Rig()

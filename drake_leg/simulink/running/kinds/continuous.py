@@ -57,13 +57,11 @@ def _reset(w: Writer, state: object) -> None:
 
 def reset_condition(w: Writer, how: str, before: str, now: str) -> str:
     """Return the condition on which a signal resets a block, by its codes before and now."""
-    rising = f"({before} <= 0.0 and {now} > 0.0)"
-    falling = f"({before} >= 0.0 and {now} < 0.0)"
     codes = {
-        "rising": rising,
-        "falling": falling,
-        "either": f"({rising} or {falling})",
-        "level": f"{now} != 0.0",
+        "rising": f"{before} <= 0.0 and {now} > 0.0",
+        "falling": f"{before} > 0.0 and {now} <= 0.0",
+        "either": f"sign({before}) != sign({now})",
+        "level": f"{before} != 0.0 or {now} != 0.0",
         "level hold": f"{now} != 0.0",
     }
     if how not in codes:

@@ -10,7 +10,7 @@ from drake_leg.simulink.matlab.data import Cell, numbers_of
 from drake_leg.simulink.running.code import Operand, Writer
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.routing import joined_bus, parts_of
-from drake_leg.simulink.running.settings import flat, zero_like
+from drake_leg.simulink.running.settings import zero_like
 
 
 def _gate(w: Writer, condition: str, *, restarts: bool = False) -> None:
@@ -45,22 +45,32 @@ def action(w: Writer) -> None:
     _gate(w, f"{w.input(0).code} != 0.0", restarts=restarts)
 
 
-def _before(w: Writer) -> None:
-    w.remember(w.numeric().code)
+def _trigger_after(w: Writer) -> None:
+    u, before = w.numeric(), w.kept["before"]
+    w.remember(u.code)
+    if u.is_scalar:
+        w.remember(f"-sign({before}) if {u.code} == 0.0 else 0.0", number=1)
+    else:
+        w.remember(f"np.where({u.code} == 0.0, -np.sign({before}), 0.0)", number=1)
 
 
-@kind("TriggerPort", major=True, finish=_before, sample_time="")
+@kind("TriggerPort", major=True, finish=_trigger_after, sample_time="")
 def trigger(w: Writer) -> None:
-    """Let a subsystem run once when a signal crosses zero."""
+    """Let a subsystem run once when a signal comes to zero or past it, or leaves it.
+
+    A signal that goes on past zero, where it came at the major step before, does so once.
+    """
     how = w.settings.text("TriggerType", "rising")
     if how not in ("rising", "falling", "either"):
         raise w.fault(f"waits for a {how}, which does not run: use an edge")
     u = w.numeric()
-    before = w.remembered(u.value if isinstance(u.value, float) else flat(u.value))
+    w.kept["before"] = a = w.remembered(u.value).code
+    came = w.remembered(zero_like(u.value), number=1).code  # 1 upwards, -1 downwards
     w.pen.edges.append(u.code)
-    a, b = before.code, u.code
-    rising, falling = f"({a} <= 0.0) & ({b} > 0.0)", f"({a} >= 0.0) & ({b} < 0.0)"
-    code = {"rising": rising, "falling": falling, "either": f"({rising}) | ({falling})"}[how]
+    b = u.code
+    rising = f"({a} < 0.0) & ({b} >= 0.0) | ({a} == 0.0) & ({b} > 0.0) & ({came} <= 0.0)"
+    falling = f"({a} > 0.0) & ({b} <= 0.0) | ({a} == 0.0) & ({b} < 0.0) & ({came} >= 0.0)"
+    code = {"rising": rising, "falling": falling, "either": f"{rising} | {falling}"}[how]
     _gate(w, code if u.is_scalar else f"({code}).any()")
 
 
