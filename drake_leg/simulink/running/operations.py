@@ -405,13 +405,16 @@ def normal_noise(t: float, seed: int, sample: float, mean: float, deviation: flo
     return float(_of_time(t, seed, sample).normal(mean, deviation))
 
 
-def over_time(t: float, times: Array, values: Array, method: str) -> Signal:
-    """Values (n, k) at times (n,): lines between them, and what comes after the last."""
-    if t >= times[-1] and method in ("hold", "zero"):
-        found = values[-1] if method == "hold" else values[-1] * 0.0
+def over_time(t: float, times: Array, values: Array, between: str, after: str) -> Signal:
+    """Values (n, k) at times (n,): by lines or steps between them, and beyond the last.
+
+    There they may be held, or zero, too.
+    """
+    if t > times[-1] and after in ("hold", "zero"):
+        found = values[-1] if after == "hold" else values[-1] * 0.0
     else:
         place = int(np.searchsorted(times, t, side="right")) - 1
-        if method == "steps" or len(times) == 1:
+        if between == "steps" or len(times) == 1:
             found = values[min(max(place, 0), len(times) - 1)]
         else:
             place = min(max(place, 0), len(times) - 2)

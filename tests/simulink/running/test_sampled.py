@@ -5,6 +5,8 @@ import pytest
 from rigs import Rig, shown
 from scipy import signal
 
+from drake_leg.errors import InvalidValueError
+
 STEP = 0.1  # [s]
 SAMPLES = np.sin(5.0 * STEP * np.arange(30))
 
@@ -97,3 +99,42 @@ def test_white_noise_has_its_power(tmp_path):
     values = np.unique(shown(rig.run(tmp_path), "y"))
     assert len(values) > 450
     assert np.std(values) == pytest.approx((0.1 / 0.002) ** 0.5, rel=0.1)
+
+
+def test_a_pulse_by_time_has_no_sample_time(tmp_path):
+    rig = Rig()
+    given = {"Period": "0.5", "PulseWidth": "40", "SampleTime": "0.3"}
+    rig.show(rig.block("DiscretePulseGenerator", "pulse", **given), "y")
+    run = rig.run(tmp_path)
+    off_edges = np.abs(np.mod(run.time + 0.05, 0.1) - 0.05) > 1e-6
+    expected = np.where(np.mod(run.time, 0.5) < 0.2, 1.0, 0.0)
+    assert shown(run, "y")[off_edges] == pytest.approx(expected[off_edges])
+
+
+@pytest.mark.parametrize(
+    ("kind", "given"),
+    [
+        ("DiscretePulseGenerator", {"PulseType": "Sample based", "SampleTime": "-1"}),
+        ("Sin", {"SineType": "Sample based", "SampleTime": "0"}),
+        ("simulink/Sources/Repeating Sequence Stair", {"tsamp": "-1"}),
+    ],
+)
+def test_a_source_by_samples_needs_a_sample_time(kind, given, tmp_path):
+    rig = Rig()
+    rig.show(rig.block(kind, "source", **given), "y")
+    with pytest.raises(InvalidValueError, match=r"'source' \(SID 1\) has no sample time: set one"):
+        rig.run(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("method", "error"), [("Forward Euler", -1.0), ("Backward Euler", 1.0), ("Trapezoidal", 0.0)]
+)
+def test_a_sum_without_a_sample_time_is_over_the_time_that_passes(method, error, tmp_path):
+    """The steps are those between the rows: the sum of t h is off t^2/2 by t h/2 at most."""
+    rig = Rig()
+    clock = rig.block("Clock", "clock")
+    how = {"IntegratorMethod": f"Integration: {method}", "SampleTime": "-1", "gainval": "3"}
+    rig.show(rig.block("DiscreteIntegrator", "sum", clock, **how), "y")
+    run = rig.run(tmp_path)
+    expected = 3.0 * (run.time**2 + error * run.time / 500) / 2.0
+    assert shown(run, "y")[-1] == pytest.approx(expected[-1], abs=1e-9)

@@ -7,6 +7,7 @@ import pytest
 from rigs import Rig
 from scipy.spatial.transform import Rotation
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.euler import SEQUENCES
 from drake_leg.simulink.running.operations import angles_of, inverse
 
@@ -313,3 +314,36 @@ def test_a_matrix_of_three_is_inverted_as_any_other():
     a = np.random.default_rng(3).normal(size=(3, 3))
     np.testing.assert_allclose(inverse(a), np.linalg.inv(a), rtol=1e-12)
     assert np.all(inverse(np.zeros((3, 3))) == math.inf)
+
+
+@pytest.mark.parametrize(("between", "before"), [("on", 2.5), ("off", 3.0)])
+@pytest.mark.parametrize(
+    ("end", "after"),
+    [("Setting to zero", 0.0), ("Holding final value", 2.0), ("Extrapolation", None)],
+)
+def test_what_comes_after_a_table_over_time(between, before, end, after, tmp_path):
+    rig = Rig()
+    rig.show(rig.block("FromWorkspace", "from", VariableName="[0 1; 0.25 3; 0.5 2]",
+                       Interpolate=between, OutputAfterFinalValue=end), "y")  # fmt: skip
+    if after is None:
+        after = 1.0 if between == "on" else 2.0
+    found = [rig.values(tmp_path, time)["y"] for time in (0.375, 0.5, 0.75)]
+    assert found == pytest.approx([before, 2.0, after])
+
+
+def test_a_table_over_time_that_repeats_is_refused(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("FromWorkspace", "from", VariableName="[0 1; 1 2]",
+                       OutputAfterFinalValue="Cyclic repetition"), "y")  # fmt: skip
+    with pytest.raises(InvalidValueError, match="'Cyclic repetition', which does not run: choose"):
+        rig.values(tmp_path)
+
+
+def test_an_integral_without_gain_stays_where_it_starts(tmp_path):
+    rig = Rig()
+    given = {"Controller": "PI", "P": "2", "I": "0", "InitialConditionForIntegrator": "5"}
+    for kind in ("PID Controller", "Discrete PID Controller"):
+        block = rig.block(f"simulink/Controllers/{kind}", kind, rig.constant("3"), **given,
+                          SampleTime="0.1")  # fmt: skip
+        rig.show(block, kind)
+    assert rig.values(tmp_path) == {"PID Controller": 11.0, "Discrete PID Controller": 11.0}

@@ -7,6 +7,7 @@ import numpy as np
 from drake_leg.simulink.running.code import CONTINUOUS, Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.discontinuities import limit_code
+from drake_leg.simulink.running.kinds.options import sample_time
 from drake_leg.simulink.running.settings import Settings, zero_like
 
 
@@ -29,12 +30,12 @@ def _pid_after(w: Writer) -> None:
     if "integral" in kept:
         code = kept["integral"]
         if w.rate != CONTINUOUS:
-            w.remember(f"{kept['i']} + {literal(w.period or 0.0)} * {code}", number=0)
+            w.remember(f"{kept['i']} + {literal(sample_time(w))} * {code}", number=0)
         else:
             w.derivative(code, 0)
     if "filter" in kept:
         if w.rate != CONTINUOUS:
-            w.remember(f"{kept['f']} + {literal(w.period or 0.0)} * {kept['filter']}", number=1)
+            w.remember(f"{kept['f']} + {literal(sample_time(w))} * {kept['filter']}", number=1)
         else:
             w.derivative(kept["filter"], 1)
     if "error" in kept:
@@ -82,8 +83,6 @@ def _controlled(w: Writer, u: Operand, u_i: Operand, u_d: Operand) -> None:
     """Write a controller of what its proportion, its integral and its derivative take."""
     s = w.settings
     discrete = w.rate != CONTINUOUS
-    if discrete and not w.period:
-        raise w.fault("is discrete and has no sample time: set one")
     filtered = not discrete or s.text("UseFilter", "on") == "on"
     gains = _gains(w, filtered=filtered)
     ideal = s.text("Form", "Parallel") == "Ideal"
@@ -92,8 +91,10 @@ def _controlled(w: Writer, u: Operand, u_i: Operand, u_d: Operand) -> None:
         codes.append(u)
     elif "P" in gains:
         codes.append(w.let(f"{gains['P']} * {u.code}", "proportional"))
+    start = s.array("InitialConditionForIntegrator", "0")
+    if "I" not in gains and "I" in s.text("Controller", "PID") and np.any(start):
+        gains["I"] = "0.0"
     if "I" in gains:
-        start = s.array("InitialConditionForIntegrator", "0")
         integral = w.remembered(start, 0) if discrete else w.state(start, 0)
         w.kept["i"] = integral.code
         codes.append(_integral(w, integral, u_i, gains["I"], discrete=discrete))
@@ -122,7 +123,7 @@ def _integral(w: Writer, integral: Operand, u: Operand, gain: str, *, discrete: 
     """Write the part of the integral, as its method reads the present input."""
     share = _share(w, "IntegratorMethod") if discrete else 0.0
     if share:
-        step = literal(share * (w.period or 0.0))
+        step = literal(share * sample_time(w))
         return w.let(f"{integral.code} + {step} * {gain} * {u.code}", "integral_part")
     return integral
 
@@ -132,7 +133,7 @@ def _filtered(w: Writer, scaled: str, n: str, *, discrete: bool) -> Operand:
     start = w.settings.array("InitialConditionForFilter", "0")
     f = w.remembered(start, 1) if discrete else w.state(start, 1)
     if discrete:  # what comes in now is a share of what is filtered
-        share = _share(w, "FilterMethod") * (w.period or 0.0)
+        share = _share(w, "FilterMethod") * sample_time(w)
         n = w.let(f"{n} / (1.0 + {literal(share)} * {n})", "n").code if share else n
     else:
         w.fades((-np.ravel(eval(n, w.pen.scope))).tolist())
@@ -146,7 +147,7 @@ def _difference(w: Writer, scaled: Operand) -> Operand:
     start = w.settings.array("DifferentiatorICPrevScaledInput", "0")
     before = w.remembered(start + zero_like(scaled.value), 2)
     w.kept["error"] = scaled.code
-    return w.let(f"({scaled.code} - {before.code}) / {literal(w.period or 1.0)}", "derivative_part")
+    return w.let(f"({scaled.code} - {before.code}) / {literal(sample_time(w))}", "derivative_part")
 
 
 def _anti_windup(w: Writer, code: str, total: Operand, limited: Operand) -> str:

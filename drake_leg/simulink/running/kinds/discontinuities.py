@@ -6,6 +6,7 @@ import numpy as np
 
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.kinds.options import sample_time
 from drake_leg.simulink.running.settings import Signal, zero_like
 
 
@@ -72,9 +73,7 @@ def dynamic_dead_zone(w: Writer) -> None:
 def dynamic_rate_limiter(w: Writer) -> None:
     """Limit the slope of a signal by two others, from sample to sample."""
     up, u, low = w.alike([w.numeric(0), w.numeric(1), w.numeric(2)])
-    if w.period is None:
-        raise w.fault("has no sample time: set one before it")
-    before, step = w.remembered(zero_like(u.value)), literal(w.period)
+    before, step = w.remembered(zero_like(u.value)), literal(sample_time(w))
     moved = w.let(f"{u.code} - {before.code}", "moved")
     limited = limit_code(moved, f"{low.code} * {step}", f"{up.code} * {step}")
     w.kept["output"] = w.out(f"{before.code} + {limited}").code

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -10,6 +11,7 @@ from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind, no_inputs
 from drake_leg.simulink.running.kinds.continuous import reset_condition
 from drake_leg.simulink.running.kinds.discontinuities import limit_code, output_after
+from drake_leg.simulink.running.kinds.options import sample_time
 from drake_leg.simulink.running.network import Node
 from drake_leg.simulink.running.settings import Settings, Signal, shape_of
 
@@ -67,8 +69,6 @@ def delay(w: Writer) -> None:
         w.kept["reset"] = w.number(1).code
         before = w.remembered(0.0, number=1).code
         is_reset = reset_condition(w, how, before, w.kept["reset"])
-        if how == "level":  # also where it ends
-            is_reset = f"{is_reset} or {before} != 0.0"
         fresh = w.constant(queue.value, "fresh")
         queue = w.let(f"{fresh} if {is_reset} else {queue.code}", "queue")
     w.kept["queue"] = queue.code
@@ -84,8 +84,12 @@ def hold(w: Writer) -> None:
 
 
 def _integral_after(w: Writer) -> None:
-    gain = w.kept["gain"]
-    u = w.numeric(0)
+    if "gain" not in w.kept:  # by the time that has passed
+        w.remember(w.kept["output"])
+        w.remember(w.numeric(0).code, number=1)
+        w.remember("t", number=2)
+        return
+    gain, u = w.kept["gain"], w.numeric(0)
     step = f"{w.kept['state']} + {gain} * {u.code}"
     if w.kept["method"] == "trapezoidal":
         step = f"{w.kept['output']} + 0.5 * {gain} * {u.code}"
@@ -104,22 +108,24 @@ def _integral_inputs(node: Node, settings: Settings) -> Iterable[int]:
 
 @kind("DiscreteIntegrator", finish=_integral_after, direct=_integral_inputs, sampled=True)
 def discrete_integrator(w: Writer) -> None:
-    """Sum up, by one of three methods."""
+    """Sum up by one of three methods, over the sample time or the time since it ran last."""
     method = w.settings.text("IntegratorMethod", "Integration: Forward Euler")
-    sums = method.startswith("Accumulation")
     gain = w.settings.array("gainval", "1.0")
-    w.kept["gain"] = w.constant(gain if sums else gain * (w.period or 1.0))
     w.kept["method"] = (
         "backward"
         if "Backward" in method
         else ("trapezoidal" if "Trapezoidal" in method else "forward")
     )
     before = w.remembered(w.settings.array("InitialCondition", "0"))
-    w.kept["state"] = before.code
-    code = before.code
-    if w.kept["method"] != "forward":
-        share = "" if w.kept["method"] == "backward" else "0.5 * "
-        code = f"{code} + {share}{w.kept['gain']} * {w.numeric(0).code}"
+    sums = method.startswith("Accumulation")
+    if w.period is None and not sums:
+        code = f"{before.code} + {_passed(w, w.constant(gain))}"
+    else:
+        w.kept["gain"] = w.constant(gain if sums else gain * sample_time(w))
+        w.kept["state"] = code = before.code
+        if w.kept["method"] != "forward":
+            share = "" if w.kept["method"] == "backward" else "0.5 * "
+            code = f"{code} + {share}{w.kept['gain']} * {w.numeric(0).code}"
     if w.settings.is_on("LimitOutput"):
         limits = [
             w.settings.array(f"{side}SaturationLimit", d)
@@ -128,6 +134,18 @@ def discrete_integrator(w: Writer) -> None:
         w.kept["limits"] = [w.constant(each) for each in limits]
         code = limit_code(Operand(code=code, value=before.value), *w.kept["limits"])
     w.kept["output"] = w.out(code).code
+
+
+def _passed(w: Writer, gain: str) -> str:
+    """Write the integral since the block ran last; 0 at first."""
+    before, at = w.remembered(0.0, number=1), w.remembered(math.inf, number=2)
+    span = w.let(f"max(t - {at.code}, 0.0)", "span").code
+    if w.kept["method"] == "forward":
+        return f"{gain} * {span} * {before.code}"
+    u = w.numeric(0).code
+    if w.kept["method"] == "trapezoidal":
+        u = f"0.5 * ({before.code} + {u})"
+    return f"{gain} * {span} * {u}"
 
 
 def _filter_after(w: Writer) -> None:
@@ -215,9 +233,7 @@ def difference(w: Writer) -> None:
         w.out(f"{u.code} - {before.code}")
         return
     gain = w.settings.number("gainval", "1.0")
-    if w.period is None:
-        raise w.fault("has no sample time: set one")
-    w.out(f"{literal(gain / w.period)} * ({u.code} - {before.code})")
+    w.out(f"{literal(gain / sample_time(w))} * ({u.code} - {before.code})")
 
 
 def _average_after(w: Writer) -> None:

@@ -56,9 +56,9 @@ def _trigger_after(w: Writer) -> None:
 
 @kind("TriggerPort", major=True, finish=_trigger_after, sample_time="")
 def trigger(w: Writer) -> None:
-    """Let a subsystem run once when a signal comes to zero or past it, or leaves it.
+    """Let a subsystem run once at an edge of a signal.
 
-    A signal that goes on past zero, where it came at the major step before, does so once.
+    It comes to zero, or goes past it, or leaves it; once if it does so at consecutive major steps.
     """
     how = w.settings.text("TriggerType", "rising")
     if how not in ("rising", "falling", "either"):

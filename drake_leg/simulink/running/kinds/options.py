@@ -1,4 +1,4 @@
-"""Options of blocks that do not run: where one of them is chosen, the block is refused."""
+"""Options with which a block does not run: where one of them is chosen, it is refused."""
 
 from __future__ import annotations
 
@@ -48,6 +48,9 @@ USUAL: Mapping[str, Usual] = {
     "Sine Wave": {"OutComplex": ("Real",), "SampleMode": ("Discrete",), "SamplesPerFrame": ("1",)},
     "TransportDelay": {"TransDelayFeedthrough": ("off",)},
     "VariableTransportDelay": {"VariableDelayType": ("Variable time delay",)},
+    "FromWorkspace": {
+        "OutputAfterFinalValue": ("Extrapolation", "Setting to zero", "Holding final value"),
+    },
     "Lookup_n-D": _TABLE,
     "Merge": {"AllowUnequalInputPortWidths": ("off",)},
     "Moving Average": {"ForgettingFactorPort": ("off",), "Method": ("Sliding window",)},
@@ -69,3 +72,16 @@ def require_usual(w: Writer) -> None:
         given = w.settings.text(name)
         if given and given not in usual:
             raise w.fault(f"has {name} {given!r}, which does not run: choose {usual[0]!r}")
+
+
+def sample_time(w: Writer) -> float:
+    """Return the sample time [s] of a block that must have one.
+
+    Raises
+    ------
+    InvalidValueError
+        If it has none.
+    """
+    if not w.period:
+        raise w.fault("has no sample time: set one")
+    return w.period

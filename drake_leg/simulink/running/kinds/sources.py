@@ -6,8 +6,9 @@ import numpy as np
 
 from drake_leg.simulink.running.code import Writer, literal
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.kinds.options import sample_time
 from drake_leg.simulink.running.kinds.routing import of_bus
-from drake_leg.simulink.running.settings import Signal, as_signal
+from drake_leg.simulink.running.settings import Settings, Signal, as_signal
 
 MOST_BREAKS = 10_000
 
@@ -56,8 +57,7 @@ def sine(w: Writer) -> None:
     amplitude, bias = get("Amplitude", "1"), get("Bias", "0")
     if w.settings.text("SineType", "Time based") != "Time based":
         samples, offset = w.settings.number("Samples", "10"), w.settings.number("Offset", "0")
-        period = w.period or 0.0
-        frequency: Signal = 2.0 * np.pi / (samples * period) if period else 0.0
+        frequency: Signal = 2.0 * np.pi / (samples * sample_time(w))
         phase: Signal = 2.0 * np.pi * offset / samples
     else:
         frequency, phase = get("Frequency", "1"), get("Phase", "0")
@@ -159,15 +159,19 @@ def ps_sine(w: Writer) -> None:
     w.pen.dots[w.node.outputs[0]] = (first.code, f"(-{f}**2 * ({made.code} - {b}))")
 
 
-@kind("DiscretePulseGenerator")
+def _is_time_based(settings: Settings) -> bool:
+    return settings.text("PulseType", "Time based") == "Time based"
+
+
+@kind("DiscretePulseGenerator", continuous=_is_time_based)
 def pulse(w: Writer) -> None:
     """Put out pulses; their width is a share of the period in percent, or a count of samples."""
     get = w.settings.array
     amplitude, period, width, delay = alike(
         get("Amplitude", "1"), get("Period", "10"), get("PulseWidth", "5"), get("PhaseDelay", "0")
     )
-    if w.settings.text("PulseType", "Time based") != "Time based":
-        sample = w.period or 1.0
+    if not _is_time_based(w.settings):
+        sample = sample_time(w)
         width = width * 100.0 / period
         period, delay = period * sample, delay * sample
     for p, on, d in zip(np.ravel(period), np.ravel(width), np.ravel(delay), strict=True):
@@ -217,19 +221,22 @@ def repeating(w: Writer) -> None:
     w.out(f"float(np.interp({at}, {w.constant(times)}, {w.constant(values)}))")
 
 
-@kind("Repeating Sequence Stair", "Repeating Sequence Interpolated", sample_time="tsamp")
+@kind("Repeating Sequence Stair", sample_time="tsamp", sampled=True)
 def stair(w: Writer) -> None:
     """Repeat a sequence, sample by sample."""
     values = w.settings.numbers("OutValues", "[3 1 4 2 1]")
-    if w.node.block.kind.endswith("Interpolated"):
-        times = w.settings.numbers("TimeValues", "[0 1]")
-        _check_table(w, times, values)
-        at = f"modulo(t, {literal(times[-1])})"
-        w.out(f"float(np.interp({at}, {w.constant(times)}, {w.constant(values)}))")
-        return
-    sample = w.period or 1.0
-    code = f"int(modulo(rounded(t / {literal(sample)}), {literal(len(values))}))"
+    code = f"int(modulo(rounded(t / {literal(sample_time(w))}), {literal(len(values))}))"
     w.out(f"float({w.constant(values)}[{code}])")
+
+
+@kind("Repeating Sequence Interpolated", sample_time="tsamp")
+def interpolated(w: Writer) -> None:
+    """Repeat a sequence, with straight lines between its points."""
+    values = w.settings.numbers("OutValues", "[3 1 4 2 1]")
+    times = w.settings.numbers("TimeValues", "[0 1]")
+    _check_table(w, times, values)
+    at = f"modulo(t, {literal(times[-1])})"
+    w.out(f"float(np.interp({at}, {w.constant(times)}, {w.constant(values)}))")
 
 
 def _check_table(w: Writer, times: np.ndarray, values: np.ndarray) -> None:
@@ -277,11 +284,9 @@ def random_source(w: Writer) -> None:
 @kind("Band-Limited White Noise", sample_time="Ts")
 def white_noise(w: Writer) -> None:
     """Put out random numbers of a power, the same in every run; they are not MATLAB's."""
-    if not w.period:
-        raise w.fault("has no sample time: set one")
     seed = int(w.settings.numbers("seed", "[23341]")[0])
-    deviation = (w.settings.number("Cov", "[0.1]") / w.period) ** 0.5
-    w.out(f"normal_noise(t, {seed}, {literal(w.period)}, 0.0, {literal(deviation)})")
+    deviation = (w.settings.number("Cov", "[0.1]") / sample_time(w)) ** 0.5
+    w.out(f"normal_noise(t, {seed}, {literal(sample_time(w))}, 0.0, {literal(deviation)})")
 
 
 @kind("FromWorkspace")
@@ -290,27 +295,26 @@ def from_workspace(w: Writer) -> None:
 
     Inside a Signal Builder, put out its signals.
     """
+    between = "lines" if w.settings.text("Interpolate", "on") == "on" else "steps"
     end = w.settings.text("OutputAfterFinalValue", "Extrapolation")
-    held = end == "Holding final value"
-    if w.settings.text("Interpolate", "on") == "off":
-        method = "steps"
-    else:
-        method = "hold" if held else ("zero" if end == "Setting to zero" else "lines")
+    after = {"Setting to zero": "zero", "Holding final value": "hold"}.get(end, between)
     if not w.settings.has("SigBuilderData"):
-        w.out(_table_over_time(w, w.settings.value("VariableName", "simin"), method))
+        given = w.settings.value("VariableName", "simin")
+        w.out(_table_over_time(w, given, between, after))
         return
     tables = w.settings.value("SigBuilderData").items.ravel()
     for table in tables:
         w.pen.breaks |= set(np.asarray(table)[:, 0].tolist())
-    codes = [_table_over_time(w, table, method) for table in tables]
+    codes = [_table_over_time(w, table, between, after) for table in tables]
     w.out(codes[0] if len(codes) == 1 else f"array([{', '.join(codes)}])")
 
 
-def _table_over_time(w: Writer, given: object, method: str) -> str:
+def _table_over_time(w: Writer, given: object, between: str, after: str) -> str:
     times, values, shape = workspace_table(w, given)
-    found = (
-        f"over_time(t, {w.constant(times, 'times')}, {w.constant(values, 'values')}, '{method}')"
-    )
+    if after != between:
+        w.pen.breaks.add(float(times[-1]))
+    table = f"{w.constant(times, 'times')}, {w.constant(values, 'values')}"
+    found = f"over_time(t, {table}, '{between}', '{after}')"
     return f"{found}.reshape({shape}, order='F')" if len(shape) == 2 else found
 
 
