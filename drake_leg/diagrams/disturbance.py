@@ -13,7 +13,6 @@ from pydrake.systems.primitives import Saturation
 from drake_leg.arguments import require_fields
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.motions import Push
-from drake_leg.models.plant import build_plant
 from drake_leg.robot.robot import Link, Robot
 from drake_leg.systems.foot_push import FootPush
 from drake_leg.systems.prescribed_motion import STIFFNESS, PrescribedMotion
@@ -67,17 +66,15 @@ class Disturbance:
         is_away = self.push.at <= time < self.push.end + RETURNED * constant
         return STEP_OF_RETURN * constant if is_away else math.inf
 
-    def believed(self, robot: Robot, gravity: float) -> MultibodyPlant | None:
-        """Build the plant that the torque is computed for; None if it is the true plant.
+    def believed(self, robot: Robot) -> Robot:
+        """Return the robot that the torque is computed for: the true one without a mass error.
 
         Raises
         ------
         InvalidValueError
             If a mass is too large or too small.
         """
-        if self.mass_error == 0.0:
-            return None
-        return build_plant(_heavier(robot, 1.0 + self.mass_error), gravity=gravity)
+        return _heavier(robot, 1.0 + self.mass_error) if self.mass_error else robot
 
 
 UNDISTURBED = Disturbance()

@@ -79,7 +79,9 @@ def add_mechanism(
         sense.
     """
     robot = _without_effort_limits(robot)
-    believed = disturbance.believed(robot, gravity)
+    believed = None
+    if disturbance.mass_error:
+        believed = build_plant(disturbance.believed(robot), gravity=gravity)
 
     # Blocks.
     plant = builder.AddNamedSystem(robot.name, build_plant(robot, gravity=gravity))

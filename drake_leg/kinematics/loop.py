@@ -102,12 +102,15 @@ class KinematicEquation:
 
     def instant(self, time: float, state: Floats) -> Instant:
         """Command and joints at one instant."""
-        q = self.fed_back(state)
-        v, a = self._velocity(time, self.functions), self._acceleration(time, self.functions)
-        wanted = self._corrected(v, time, q, self.functions)
         w = None
         if self.time_constant is not None and self.senses:
             w = state[self.joints : 2 * self.joints]
+        return self.sensed(time, self.fed_back(state), w)
+
+    def sensed(self, time: float, q: Floats, w: Floats | None = None) -> Instant:
+        """Command, and how it moves joints that are sensed at q, and at rates w if given, (n,)."""
+        v, a = self._velocity(time, self.functions), self._acceleration(time, self.functions)
+        wanted = self._corrected(v, time, q, self.functions)
         qdot = self.robot.rates(q, self._limited(wanted, wanted)[0])
         if self.correction:
             moved = self.robot.jacobian(q) @ np.asarray(qdot if w is None else w)

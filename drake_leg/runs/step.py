@@ -133,6 +133,12 @@ def _simulated(
         followed = follow_below_limit(config, duration, stepping)
         if followed:
             return INVERSE, *followed
+        if config.disturbance.acts and not _has_own_steps(options):
+            from drake_leg.simulation.disturbed import follow_disturbed  # slow to load
+
+            disturbed = follow_disturbed(config, duration, stepping.progress)
+            if disturbed:
+                return FORWARD, *disturbed
     diagram = BUILD[type(config)](config)
     return FORWARD, *simulate_plant(config, diagram, duration, stepping)
 
@@ -162,13 +168,17 @@ def _settings(options: TipOptions, config: Config) -> list[IntegratorSettings]:
     The last one needs no trial. Only steps that the motion alone bounds may be longer.
     """
     known = (config.motion, config.control, config.disturbance, _filters(config))
-    default = IntegratorSettings().scheme
-    is_chosen = options.integrator != default or options.accuracy is not None
     is_measured = _filters(config) is None  # a lag hides the foot's error
-    if is_chosen or options.max_step is not None or not is_measured:
+    if _has_own_steps(options) or not is_measured:
         return [options.integrator_settings(longest_step(*known))]
     steps = [longest_step(*known, per_period=count) for count in (*TRIALS, STEPS_PER_PERIOD)]
     return [options.integrator_settings(step) for step in sorted(set(steps), reverse=True)]
+
+
+def _has_own_steps(options: TipOptions) -> bool:
+    """Whether the options say how time is stepped."""
+    is_chosen = options.integrator != IntegratorSettings().scheme or options.accuracy is not None
+    return is_chosen or options.max_step is not None
 
 
 def longest_step(

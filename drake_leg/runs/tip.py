@@ -16,10 +16,10 @@ from drake_leg.kinematics.motions import SineStep
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import INVERSE, NONE
 from drake_leg.runs.outcome import finer, inaccuracy
-from drake_leg.simulation.following import torques_along, torques_by_equation
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.recording import lettered, numbered, without_sign_jumps
 from drake_leg.simulation.run import Run
+from drake_leg.simulation.torques import torques_along, torques_by_equation
 
 OFF_COMMAND = 1e-6  # [m]: a tip that is farther from its command than this is off it
 BAND = 1e-3  # [m]: the same for a tip that something disturbs

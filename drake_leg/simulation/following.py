@@ -10,11 +10,9 @@ import math
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import MultibodyForces
 from pydrake.systems.framework import Context, Diagram
 
 from drake_leg.diagrams import kinematic_loop
@@ -24,19 +22,17 @@ from drake_leg.diagrams.kinematic_loop import SCOPE, equation_of
 from drake_leg.diagrams.scara import ScaraConfig
 from drake_leg.errors import JointLimitError, SingularConfigurationError
 from drake_leg.kinematics.euler import quaternions
-from drake_leg.kinematics.joint_stop import limit_force
 from drake_leg.kinematics.khalil import Array, foot_pose_and_jacobian
 from drake_leg.kinematics.loop import KinematicEquation
-from drake_leg.models.plant import build_plant
 from drake_leg.progress import held
 from drake_leg.robot.robot import Robot
 from drake_leg.simulation.all_steps import all_steps_of
 from drake_leg.simulation.guard import NEARLY_SINGULAR
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.run import INTERRUPTED, Progress, Run, Scopes, simulate
+from drake_leg.simulation.torques import torques_along
 from drake_leg.singularity.inverse import Damped
 from drake_leg.singularity.look_ahead import NEAR_APPROACH
-from drake_leg.systems.prescribed_motion import require_actuators
 from drake_leg.units import beyond
 
 Config = HexabotLegConfig | ScaraConfig
@@ -89,16 +85,16 @@ def follow(
     run, taken = _joints_of(config, duration, stepping)
 
     def complete() -> Run:
-        ended = _within_limits(config.robot, run)
+        ended = within_limits(config.robot, run)
         if torques:
             ended.scopes["joint torques"] = torques_along(config.robot, config.gravity, ended)
         return ended
 
-    run = _to_its_end(complete)
+    run = to_its_end(complete)
     return replace(run, wall_time=clock.perf_counter() - began), taken
 
 
-def _to_its_end(compute: Callable[[], Run]) -> Run:
+def to_its_end(compute: Callable[[], Run]) -> Run:
     """Compute what belongs to a recording; an interrupt waits, and is then noted in the run."""
     run = None
     try:
@@ -202,12 +198,12 @@ def _joints_of(
         joints = _unguarded(config, exact, duration, trial, progress)
         if joints.stop_reason not in (None, INTERRUPTED):
             continue
-        run = _to_its_end(partial(_with_scopes, config, exact, joints))
+        run = to_its_end(partial(_with_scopes, config, exact, joints))
         if run.stop_reason == INTERRUPTED or _is_accurate(config, equation, run):
             return run, trial
     last, loop = stepping.settings[-1], kinematic_loop.build(config)
     joints = simulate(loop, duration, settings=last, progress=progress)
-    return _to_its_end(partial(_with_scopes, config, equation, joints)), last
+    return to_its_end(partial(_with_scopes, config, equation, joints)), last
 
 
 def _can_be_exact(config: Config, equation: KinematicEquation) -> bool:
@@ -293,28 +289,35 @@ def _stays_exact(config: Config, equation: KinematicEquation, run: Run) -> bool:
 
 def _with_scopes(config: Config, equation: KinematicEquation, run: Run) -> Run:
     """Compute what the scopes of the whole diagram show from the motion of the joints."""
-    rows, motion, time = config.robot.rows, config.motion, run.time
-    moved, det_j = _joint_motion(equation, time, run.scopes[SCOPE])
-    q, qdot, qddot = _with_rest(config, moved)
+    moved, det_j = _joint_motion(equation, run.time, run.scopes[SCOPE])
+    return replace(run, scopes=scopes_of(config, run.time, _with_rest(config, moved), det_j))
+
+
+def scopes_of(
+    config: Config, time: Array, joints: tuple[Array, ...], determinants: Array
+) -> Scopes:
+    """Compute what the scopes of a diagram show besides torques.
+
+    ``joints`` are positions, velocities and accelerations (rows, n), ``determinants`` (rows, 1).
+    """
+    rows, motion = config.robot.rows, config.motion
+    q, qdot, qddot = joints
     X_BF, J = foot_pose_and_jacobian(rows, q)
     V_BF = np.einsum("rij,rj->ri", J, qdot)
     gain = config.gain if isinstance(config, HexabotLegConfig) else 1.0
-    return replace(
-        run,
-        scopes=Scopes(
-            {
-                "input": motion.amplitude / gain * np.sin(motion.frequency * time)[:, np.newaxis],
-                "foot positions": X_BF[:, :3, 3],
-                "foot velocities": V_BF[:, 3:],
-                "Q": quaternions(X_BF[:, :3, :3]),
-                "foot angular velocities": V_BF[:, :3],
-                "joint positions": q,
-                "joint velocities": qdot,
-                "joint accelerations": qddot,
-                "commanded velocities": motion.velocity(time),
-                "singularity check": det_j,
-            }
-        ),
+    return Scopes(
+        {
+            "input": motion.amplitude / gain * np.sin(motion.frequency * time)[:, np.newaxis],
+            "foot positions": X_BF[:, :3, 3],
+            "foot velocities": V_BF[:, 3:],
+            "Q": quaternions(X_BF[:, :3, :3]),
+            "foot angular velocities": V_BF[:, :3],
+            "joint positions": q,
+            "joint velocities": qdot,
+            "joint accelerations": qddot,
+            "commanded velocities": motion.velocity(time),
+            "singularity check": determinants,
+        }
     )
 
 
@@ -346,10 +349,7 @@ def _with_rest(config: Config, moved: tuple[Array, ...]) -> tuple[Array, ...]:
     )
 
 
-# --- limits and torques ----------------------------------------------------------------------
-
-
-def _within_limits(robot: Robot, run: Run) -> Run:
+def within_limits(robot: Robot, run: Run) -> Run:
     """End a run at the first row in which a joint is outside its limits."""
     q = run.scopes["joint positions"]
     last, joint = len(q), 0
@@ -381,64 +381,3 @@ def _within_limits(robot: Robot, run: Run) -> Run:
         stop_reason=str(error),
         stopped_by=error,
     )
-
-
-def torques_along(robot: Robot, gravity: float, run: Run) -> Array:
-    """Torques that move the joints along a run: Drake's inverse dynamics, (rows, n) [N*m or N].
-
-    They overcome inertia, gravity, springs and dampers, and the force of joint stops.
-    """
-    plant = _plant(robot, gravity)
-    context, forces = plant.CreateDefaultContext(), MultibodyForces(plant)
-    q, qdot, qddot = (
-        run.scopes[f"joint {name}"] for name in ("positions", "velocities", "accelerations")
-    )
-    torques = np.empty_like(q)
-    for row, state in enumerate(np.hstack([q, qdot])):
-        plant.SetPositionsAndVelocities(context, state)
-        plant.CalcForceElementsContribution(context, forces)
-        torques[row] = plant.CalcInverseDynamics(context, qddot[row], forces)
-    for index, segment in enumerate(robot.moving):
-        torques[:, index] -= limit_force(segment.mechanics, q[:, index], qdot[:, index])
-    return torques
-
-
-def torques_by_equation(robot: Robot, gravity: float, run: Run) -> Array:
-    """The same torques by the equation of motion, from the mass matrix, (rows, n) [N*m or N].
-
-    ``M qddot + C qdot - tau_g + d qdot + k (q - q_0)``, less the force of joint stops.
-    """
-    plant = _plant(robot, gravity)
-    context = plant.CreateDefaultContext()
-    q, qdot, qddot = (
-        run.scopes[f"joint {name}"] for name in ("positions", "velocities", "accelerations")
-    )
-    torques = np.empty_like(q)
-    for row, state in enumerate(np.hstack([q, qdot])):
-        plant.SetPositionsAndVelocities(context, state)
-        bias = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
-        torques[row] = plant.CalcMassMatrix(context) @ qddot[row] + bias
-    for index, segment in enumerate(robot.moving):
-        acting, at, rate = segment.mechanics, q[:, index], qdot[:, index]
-        spring = acting.spring_stiffness * (at - acting.equilibrium_position)
-        torques[:, index] += acting.damping * rate + spring - limit_force(acting, at, rate)
-    return torques
-
-
-def _plant(robot: Robot, gravity: float) -> MultibodyPlant:
-    """A robot's plant, kept for the next run unless the robot has an inertia in an array."""
-    try:
-        hash(robot)
-    except TypeError:
-        return _new_plant(robot, gravity)
-    return _kept_plant(robot, gravity)
-
-
-def _new_plant(robot: Robot, gravity: float) -> MultibodyPlant:
-    plant = build_plant(robot, gravity=gravity)
-    if not any(segment.mechanics.stops for segment in robot.moving):
-        require_actuators(plant)
-    return plant
-
-
-_kept_plant = lru_cache(maxsize=8)(_new_plant)

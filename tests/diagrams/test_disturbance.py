@@ -90,7 +90,7 @@ def test_all_masses_and_inertias_are_believed_larger_in_the_same_measure(error, 
     said = Inertial(mass=0.01, centre=(0.0, 0.0, 0.0), moments=(2e-6, 2e-6, 1e-6))
     link = replace(foot.link, inertial=said)
     robot = replace(LEG_B, segments=(*LEG_B.segments[:3], replace(foot, link=link)))
-    believed = Disturbance(mass_error=error).believed(robot, 9.0)
+    believed = build_plant(Disturbance(mass_error=error).believed(robot), gravity=9.0)
     plant = build_plant(robot, gravity=9.0)
     q = rng.uniform(-3.0, 3.0, 3)
     M, gravity = [], []
@@ -101,7 +101,7 @@ def test_all_masses_and_inertias_are_believed_larger_in_the_same_measure(error, 
         gravity.append(model.CalcGravityGeneralizedForces(context))
     np.testing.assert_allclose(M[1], (1.0 + error) * M[0], rtol=1e-12, atol=1e-18)
     np.testing.assert_allclose(gravity[1], (1.0 + error) * gravity[0], rtol=1e-12, atol=1e-15)
-    assert Disturbance().believed(robot, 9.0) is None
+    assert Disturbance().believed(robot) is robot
 
 
 @pytest.mark.parametrize(

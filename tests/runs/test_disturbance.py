@@ -221,3 +221,19 @@ def test_two_disturbed_runs_are_the_same_to_the_bit():
     pair = [straight(duration=0.5, **EARLY, torque_limit=0.006).recording for _ in range(2)]
     for name, column in pair[0].columns.items():
         np.testing.assert_array_equal(column, pair[1].columns[name])
+
+
+@pytest.mark.parametrize(
+    ("asked_for", "integrator"),
+    [
+        ({}, "dop853"),
+        ({"max_step": 0.01}, "runge_kutta5"),
+        ({"dynamics": "forward"}, "runge_kutta5"),
+        ({"integrator": "runge_kutta3"}, "runge_kutta3"),
+    ],
+    ids=str,
+)
+def test_steps_are_chosen_by_their_error_unless_others_are_asked_for(asked_for, integrator):
+    summary = straight(duration=0.2, mass_error=0.2, **asked_for).summary
+    assert summary["integrator"] == integrator
+    assert (summary["accuracy"] is not None) == (integrator == "dop853")

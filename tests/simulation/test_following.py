@@ -19,17 +19,16 @@ from drake_leg.errors import JointLimitError
 from drake_leg.kinematics.motions import Push, SineStep
 from drake_leg.progress import interruptible
 from drake_leg.robot.robots import LEG_A, LEG_A_POSTURE, LEG_B
-from drake_leg.simulation import following
+from drake_leg.simulation import following, torques
 from drake_leg.simulation.following import (
     Stepping,
     follow,
     follow_below_limit,
     simulate_plant,
-    torques_along,
-    torques_by_equation,
 )
 from drake_leg.simulation.integrator import IntegratorSettings
 from drake_leg.simulation.run import simulate
+from drake_leg.simulation.torques import torques_along, torques_by_equation
 from drake_leg.singularity.inverse import Inverse
 
 DURATION = 1.5  # [s]
@@ -106,7 +105,8 @@ def test_torques_fulfil_the_equation_of_motion(name):
 
 
 def test_without_torques_no_plant_is_made(monkeypatch):
-    monkeypatch.setattr(following, "build_plant", None)
+    monkeypatch.setattr(torques, "build_plant", None)
+    torques._kept_plant.cache_clear()
     run, _ = follow(HexabotLegConfig(), DURATION, stepping(), torques=False)
     assert "joint torques" not in run.scopes
 
@@ -235,16 +235,16 @@ def test_threads_do_not_share_what_torques_are_computed_in():
     assert all(np.array_equal(alone, torques) for torques in together)
 
 
-@pytest.mark.parametrize("late", ["quaternions", "limit_force"])
-def test_an_interrupt_after_the_simulation_leaves_a_whole_recording(late, monkeypatch):
+@pytest.mark.parametrize(("module", "late"), [(following, "quaternions"), (torques, "limit_force")])
+def test_an_interrupt_after_the_simulation_leaves_a_whole_recording(module, late, monkeypatch):
     whole, _ = follow(HexabotLegConfig(), DURATION, stepping())
-    exact = getattr(following, late)
+    exact = getattr(module, late)
 
     def interrupted(*arguments):
         signal.raise_signal(signal.SIGINT)
         return exact(*arguments)
 
-    monkeypatch.setattr(following, late, interrupted)
+    monkeypatch.setattr(module, late, interrupted)
     with interruptible():
         run, _ = follow(HexabotLegConfig(), DURATION, stepping())
     assert run.stop_reason == "interrupted"
