@@ -35,6 +35,7 @@ from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.files import ResultsFolder
 from drake_leg.pictures.formats import CHOICES, CHOSEN, formats_of
 from drake_leg.progress import ProgressBar, saved
+from drake_leg.simulation.integrator import require_accuracy
 from drake_leg.units import require_positive
 
 if TYPE_CHECKING:
@@ -115,12 +116,15 @@ def refuse_options_of_runs(chosen: argparse.Namespace) -> None:
 
 
 def positive(chosen: argparse.Namespace, name: str) -> float | None:
-    """Read an option that is a positive number, None where it was not given."""
+    """Read the duration or the accuracy, None where it was not given."""
     text = getattr(chosen, name, None)
     if text is None:
         return None
     (value,) = numbers(option_of(name), text, 1)
-    require_positive(option_of(name), value, "s" if name == "duration" else "")
+    if name == "accuracy":
+        require_accuracy(option_of(name), value)
+    else:
+        require_positive(option_of(name), value, "s")
     return value
 
 

@@ -31,6 +31,13 @@ ERROR_CONTROLLED = (
 ROW_INTERVAL = 0.040  # [s], greatest distance of two rows of a recording
 
 
+def require_accuracy(what: str, accuracy: float) -> None:
+    """Refuse a relative accuracy that no error control keeps, or that means nothing."""
+    require_number(what, accuracy)
+    if not 1e-14 <= accuracy <= 0.1:
+        raise InvalidValueError(f"{what} is {accuracy!r}; it must be in 1e-14 ... 0.1")
+
+
 @dataclass(frozen=True, kw_only=True)
 class IntegratorSettings:
     """How time is stepped: at ``max_step``, or by error control where an accuracy is given."""
@@ -52,11 +59,7 @@ class IntegratorSettings:
             )
         if self.accuracy is None:
             return
-        require_number("the accuracy", self.accuracy)
-        if not 1e-14 <= self.accuracy <= 0.1:
-            raise InvalidValueError(
-                f"the accuracy is {self.accuracy!r}; it must be in 1e-14 ... 0.1"
-            )
+        require_accuracy("the accuracy", self.accuracy)
         if self.scheme not in ERROR_CONTROLLED:
             raise InvalidValueError(
                 f"the integrator {self.scheme!r} has no error control, so that the accuracy "

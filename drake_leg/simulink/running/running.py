@@ -9,10 +9,11 @@ from time import monotonic
 
 import numpy as np
 from pydrake.systems.analysis import SimulatorConfig
-from pydrake.systems.framework import Context, EventStatus
 
+from drake_leg.arguments import checked
 from drake_leg.errors import InvalidValueError, MissingThingsError, UnknownValueError
 from drake_leg.progress import interrupts_kept
+from drake_leg.simulation.integrator import require_accuracy
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
 from drake_leg.simulink.model import LOOPS, Model, number, split_port, vector
@@ -30,6 +31,8 @@ from drake_leg.simulink.running.network import SignalNetwork, signal_network
 from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
 from drake_leg.simulink.running.stepping import FAST, STIFF, Stepper
+from drake_leg.simulink.running.watching import StepWatch, reason_of
+from drake_leg.units import require_non_negative, require_positive
 
 ACCURACY = 1e-6
 ROWS = 500  # of a recording
@@ -43,8 +46,6 @@ _SOLVED = ("none", "warning")  # settings with which Simulink solves algebraic l
 STIFF_SOLVERS = ("ode15s", "ode23s", "ode23t", "ode23tb", "daessc", "ode14x", "ode1be")
 FINEST = 1e-10  # accuracy that a file may ask for
 OWN_ACCURACY = 1e-5  # at most, of own steps: finer ones cost little
-WINDOW = 300  # steps over which the mean is taken
-CRAWLING = 3e-3  # [s]: a model of n states is stiff below a mean of this over (n + 16)
 INTERRUPTED = "interrupted"
 
 
@@ -107,6 +108,7 @@ def has_mechanism(model: Model) -> bool:
     )
 
 
+@checked
 def runnable(
     model: Model,
     *,
@@ -137,6 +139,8 @@ def runnable(
     InvalidValueError
         That lists all that is missing for a run.
     """
+    if duration is not None:
+        require_non_negative("the duration", duration, "s")
     model = replaced(model, replace or {})
     if solve_loops is None:
         solve_loops = model.solver.get(LOOPS) in _SOLVED
@@ -265,6 +269,7 @@ def _commands(code: Code, ports: Ports) -> Array:
     return u
 
 
+@checked
 def run_model(
     ready: Runnable,
     *,
@@ -272,7 +277,7 @@ def run_model(
     budget: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> ModelRun:
-    """Run a model to its end, its Stop blocks, a state that is not finite, or its budget.
+    """Run a model to its end, a Stop block, a state that is not finite, or the end of its budget.
 
     Parameters
     ----------
@@ -281,17 +286,21 @@ def run_model(
     accuracy : float, optional
         Of the integration, relative: 1e-6, or finer where the file asks for it.
     budget : float, optional
-        Seconds that the run may take.
+        How long the run may take [s].
     progress : callable, optional
-        Called with the time that is reached.
+        Called with the time since the start that is reached [s].
     """
+    if accuracy is not None:
+        require_accuracy("the accuracy", accuracy)
+    if budget is not None:
+        require_positive("the budget", budget, "s")
     diagram = ready.diagram
     context = diagram.CreateDefaultContext()
     if diagram.mechanism is not None:
         diagram.mechanism.start(context, ready.start)
     config = _config(ready, accuracy)
     # Short steps of a fine accuracy are no sign of stiffness.
-    watch = _Watch(diagram, budget, progress, may_crawl=config.accuracy >= ACCURACY)
+    watch = StepWatch(diagram, budget, progress, may_crawl=config.accuracy >= ACCURACY)
     stepper = Stepper(
         diagram,
         context,
@@ -324,7 +333,7 @@ def run_model(
     except KeyboardInterrupt:
         stopped = INTERRUPTED
     except (RuntimeError, InvalidValueError, ArithmeticError, IndexError, ValueError) as error:
-        stopped = _reason(error, context, ready)
+        stopped = reason_of(error, context, ready.diagram.signals)
     finally:
         stepper.close()
     return _recorded(ready, stepper, watch, stopped, monotonic() - began)
@@ -389,92 +398,8 @@ def corners(code: Code, duration: float) -> set[float]:
     return times
 
 
-class _Watch:
-    """Looks at every step: stops, states that are not finite, the budget."""
-
-    def __init__(
-        self,
-        diagram: ModelDiagram,
-        budget: float | None,
-        progress: Callable[[float], None] | None,
-        *,
-        may_crawl: bool,
-    ) -> None:
-        self._diagram, self._budget, self._progress = diagram, budget, progress
-        # Signals alone crawl where they have a pole.
-        self._may_crawl = may_crawl and diagram.mechanism is not None
-        self._began = monotonic()
-        self.stopped = ""
-        self.by_block = False
-        self.crawls = False  # whether its steps became that short
-        self._steps, self._mark = 0, 0.0
-
-    def __call__(self, context: Context) -> EventStatus:
-        x = context.get_continuous_state_vector().CopyToVector()
-        if not np.isfinite(x).all():
-            return self._end(context, _not_finite(self._diagram, context))
-        self.follow(context)
-        if self._may_crawl and self._begins_to_crawl(context.get_time(), len(x)):
-            return EventStatus.ReachedTermination(self._diagram, "the model is stiff")
-        signals = self._diagram.signals
-        if signals.code.stops:
-            shown = signals.GetOutputPort("scopes").Eval(signals.GetMyContextFromRoot(context))
-            for place, (_, name) in enumerate(signals.code.stops):
-                if shown[sum(signals.widths) + place]:
-                    self.by_block = True
-                    return self._end(context, f"the block {name!r} stops it")
-        if self._progress is not None:
-            self._progress(context.get_time())
-        if self._budget is not None and monotonic() - self._began > self._budget:
-            return self._end(context, f"it took more than {self._budget:g} s")
-        return EventStatus.DidNothing()
-
-    def follow(self, context: Context) -> None:
-        """Put driven axes on their motions."""
-        if self._diagram.mechanism is not None:
-            self._diagram.mechanism.follow(context)
-
-    def _begins_to_crawl(self, time: float, states: int) -> bool:
-        """Tell once that steps have become so short that the model is stiff."""
-        self._steps += 1
-        if self.crawls or self._steps % WINDOW:
-            return False
-        least = WINDOW * CRAWLING / (states + 16)  # as an implicit step costs a Jacobian
-        self.crawls, self._mark = time - self._mark < least, time
-        return self.crawls
-
-    def _end(self, context: Context, why: str) -> EventStatus:
-        time = context.get_time() + self._diagram.signals.code.begins
-        self.stopped = f"{why}, at {time:.6g} s"
-        return EventStatus.ReachedTermination(self._diagram, self.stopped)
-
-
-def _not_finite(diagram: ModelDiagram, context: Context) -> str:
-    signals = diagram.signals
-    found: str = signals.what_is_not_finite()
-    if found:
-        return found
-    x = signals.GetMyContextFromRoot(context).get_continuous_state_vector().CopyToVector()
-    if np.isfinite(x).all():
-        return "a position or velocity of the mechanism is not finite"
-    return "the state of a block is not finite"
-
-
-def _reason(error: Exception, context: Context, ready: Runnable) -> str:
-    said = " ".join(str(error).split())[:300]
-    at = f"at {context.get_time() + ready.code.begins:.6g} s"
-    lost = (
-        "" if isinstance(error, InvalidValueError) else ready.diagram.signals.what_is_not_finite()
-    )
-    if lost:
-        return f"{lost}, {at}"
-    if "step smaller" in said or "step size" in said.lower() or "nan" in said.lower():
-        return f"the integrator cannot go on {at}, where its steps become too small"
-    return f"{said}, {at}"
-
-
 def _recorded(
-    ready: Runnable, stepper: Stepper, watch: _Watch, stopped: str, seconds: float
+    ready: Runnable, stepper: Stepper, watch: StepWatch, stopped: str, seconds: float
 ) -> ModelRun:
     diagram, context = ready.diagram, stepper.context
     shown: list[Shown] = []

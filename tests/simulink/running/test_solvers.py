@@ -5,6 +5,10 @@ import pytest
 from rigs import Rig, shown
 from scipy.integrate import solve_ivp
 
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.reader import read_model
+from drake_leg.simulink.running.running import run_model, runnable
+
 
 def chemistry(solver):
     """Robertson's three reactions, whose rates differ by nine orders of magnitude."""
@@ -47,3 +51,23 @@ def test_small_states_are_as_accurate_as_the_file_asks(tmp_path, absolute, error
     apart = np.abs(shown(run, "place") - 1e-4 * np.cos(np.sqrt(4000.0) * run.time)).max() / 1e-4
     assert run.accuracy == pytest.approx(1e-6 if error is None else 1e-9)
     assert error is None or apart < error
+
+
+@pytest.mark.parametrize(
+    ("given", "problem"),
+    [
+        ({"duration": -1.0}, r"the duration is -1\.0 s; it must be zero or positive"),
+        ({"duration": float("inf")}, "the duration is inf s; it must be zero or positive"),
+        ({"contact": "soft"}, "contact is 'soft'; it must be 'smooth' or 'pulling' or 'drake'"),
+        ({"accuracy": 0.0}, r"the accuracy is 0\.0; it must be in 1e-14 \.\.\. 0\.1"),
+        ({"accuracy": float("nan")}, "the accuracy is nan; it must be in 1e-14"),
+        ({"budget": 0.0}, r"the budget is 0\.0 s; it must be a positive number"),
+    ],
+)
+def test_what_no_run_can_have_is_refused(given, problem, tmp_path):
+    rig = Rig()
+    rig.show(rig.block("Clock", "clock"), "t")
+    model = read_model(rig.write(tmp_path / "m.slx"))
+    is_of_run = given.keys() <= {"accuracy", "budget"}
+    with pytest.raises(InvalidValueError, match=problem):
+        run_model(runnable(model, **({} if is_of_run else given)), **(given if is_of_run else {}))
