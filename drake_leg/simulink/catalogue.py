@@ -564,8 +564,10 @@ Sensor, Voltage Sensor, Rotational Electromechanical Converter, Translational El
 Converter, Open Circuit, Diode, Switch, DC Current Source, AC Voltage Source, AC Current Source,
 Ideal Transformer, Gyrator
 """
-_ELECTRICAL = without_table("Resistor, Capacitor, Inductor, DC Motor, Voltage Source")
-_DRIVELINE = without_table("Rotational Damper, Simple Gear")
+_ELECTRICAL = without_table(
+    "Resistor, Capacitor, Inductor, DC Motor, Voltage Source, Battery, Motor & Drive (System Level)"
+)
+_DRIVELINE = without_table("Rotational Damper, Simple Gear, Motor & Drive")
 
 _SIMULINK |= without_table(_SIMULINK_WITHOUT_TABLE)
 
@@ -631,6 +633,7 @@ LIBRARIES: dict[str, dict[str, Parameters]] = {
     "fl_ps_legacy_lib": without_table(_FOUNDATION_WITHOUT_TABLE),  # of releases until R2018
     "ee_lib": _ELECTRICAL,
     "elec_lib": _ELECTRICAL,
+    "batteryecm_lib": without_table("Battery"),
     "sdl_lib": _DRIVELINE,
     "simulink": _SIMULINK,
     "slpidlib": _SIMULINK,

@@ -18,7 +18,7 @@ from drake_leg.simulink.catalogue import (
 )
 from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES, PLACES, SOLIDS
 from drake_leg.simulink.multibody.joints import SINGLE
-from drake_leg.simulink.networks import electrical, mechanical  # noqa: F401 - they fill KINDS
+from drake_leg.simulink.networks import drives, electrical, mechanical  # noqa: F401 - fill KINDS
 from drake_leg.simulink.networks.assembly import KINDS as ELEMENTS
 from drake_leg.simulink.networks.ports import LIBRARIES as NETWORKS
 from drake_leg.simulink.running.kinds import kinds_of_blocks
@@ -171,6 +171,7 @@ def page() -> str:
         ("Simscape utilities", "nesl_utility"),
         ("Simscape Foundation", "fl_lib"),
         ("Simscape Electrical", "ee_lib"),
+        ("Simscape Battery", "batteryecm_lib"),
         ("Simscape Driveline", "sdl_lib"),
         ("Robotics System Toolbox", "robotcorelib"),
         ("Sources of the DSP System Toolbox", "dspsrcs4"),

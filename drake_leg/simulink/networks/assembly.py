@@ -46,17 +46,19 @@ class Assembly:
     """The equations of a network in the making; every one is a sum that is 0."""
 
     def __init__(self) -> None:
-        self.equations: list[tuple[Linear, str]] = []  # with the SID of their block
+        self.equations: list[tuple[Linear, tuple[str, ...]]] = []  # with the SIDs of their blocks
         self.states: list[State] = []
         self.laws: list[Law] = []
         self.outputs: dict[str, Linear] = {}  # by port
-        self.potentials: dict[Quantity, str] = {}  # of connections -> SID of a block there
+        self.potentials: dict[
+            Quantity, tuple[str, ...]
+        ] = {}  # of connections -> SIDs of blocks there
         self.flows: dict[Quantity, Linear] = {}  # out of connections
 
     def connect(self, ports: Sequence[str]) -> Quantity:
         """Add a connection."""
         found = Quantity(role="across", owner=ports[0])
-        self.potentials[found] = ports[0].partition("#")[0]
+        self.potentials[found] = tuple(dict.fromkeys(port.partition("#")[0] for port in ports))
         self.flows[found] = Linear()
         return found
 
@@ -111,6 +113,10 @@ class Bench:
         """Make an error about the block."""
         return InvalidValueError(f"block {self.block.name!r} (SID {self.block.sid}) {problem}")
 
+    def heeds(self, *names: str) -> None:
+        """Let targets be given that change nothing here."""
+        self._heeded.update(names)
+
     # --- connections ---
 
     def has(self, end: str) -> bool:
@@ -150,7 +156,7 @@ class Bench:
 
     def zero(self, equation: Linear) -> None:
         """Add an equation."""
-        self._assembly.equations.append((equation, self.block.sid))
+        self._assembly.equations.append((equation, (self.block.sid,)))
 
     # --- states, signals, laws ---
 

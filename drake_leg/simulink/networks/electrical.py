@@ -184,7 +184,7 @@ def motor(b: Bench) -> None:
     velocity = b.between("R", "C")
     inductance = b.positive("La", 12e-6)
     b.zero(b.between("p", "n") - resistance * current - inductance * rate - constant * velocity)
-    _rotor(b, constant * current, velocity)
+    rotor(b, constant * current, velocity)
 
 
 def _of_winding(b: Bench) -> tuple[float, float]:
@@ -200,7 +200,7 @@ def _of_winding(b: Bench) -> tuple[float, float]:
     return constant, constant * voltage / b.positive("T_stall", 2.4e-4)
 
 
-def _rotor(b: Bench, torque: Linear, velocity: Linear) -> None:
+def rotor(b: Bench, torque: Linear, velocity: Linear) -> None:
     """Let a torque turn R relative to C against a rotor's inertia and damping."""
     effort = b.through("R", "C")
     inertia, damping = b.number("J", 1e-9), b.number("lam", 0.0)

@@ -8,7 +8,13 @@ from functools import cached_property, lru_cache
 
 from drake_leg.simulink.model import Block
 
-LIBRARIES = ("fl_lib", "ee_lib", "elec_lib", "sdl_lib")  # of the foundation and its add-ons
+LIBRARIES = (
+    "fl_lib",
+    "ee_lib",
+    "elec_lib",
+    "batteryecm_lib",
+    "sdl_lib",
+)  # of the foundation and its add-ons
 ROTOR, TWO = "p R | n C", "R | C"
 
 # Names of the ports at the left | at the right, in the file's order; < takes a signal, > gives one.
@@ -61,6 +67,9 @@ _PORTS: Mapping[str, str] = {
     "Translational Electromechanical Converter": ROTOR,
     "DC Motor": ROTOR,
     "Voltage Source": "p | n",
+    "Battery": "p | n",
+    "Motor & Drive (System Level)": "p T< R | n w> C",
+    "Motor & Drive": "p T< R | n w> C",
 }  # fmt: skip
 KINDS = tuple(_PORTS)
 MOTION_SENSORS = ("Ideal Translational Motion Sensor", "Ideal Rotational Motion Sensor")
@@ -92,6 +101,9 @@ def layout_of(block: Block) -> Layout | None:
         return None
     if block.kind in MOTION_SENSORS:
         return _layout(_of_motion_sensor(block))
+    texts: Mapping[str, str] = getattr(block.parameters, "texts", {})
+    if block.kind == "Battery" and texts.get("charge_measurement_port", "").endswith("yes"):
+        return _layout("p q> | n")
     return _layout(_PORTS[block.kind])
 
 

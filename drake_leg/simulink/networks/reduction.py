@@ -112,14 +112,18 @@ class _Reduction:
         found = []
         for row in solved.left:
             says = Linear(dict(zip(self._known, solved.N[row], strict=True)))
-            involved = [self._equations[k][1] for k in np.flatnonzero(solved.combination[row])]
+            involved = [
+                sid
+                for k in np.flatnonzero(solved.combination[row])
+                for sid in self._equations[k][1]
+            ]
             if not says:
                 continue
             if not any(quantity.role == "state" for quantity in says):
                 raise InvalidValueError(
-                    f"the blocks {self._named(involved)} fix the same quantity at once, so their "
-                    "network has no solution: leave one of them out, or put an element with "
-                    "losses between them"
+                    f"the blocks {self._named(involved)} leave their network no solution, as they "
+                    "fix one quantity more than once: leave one out, or put a mass or an element "
+                    "with losses between them"
                 )
             found.append((says, involved))
         return found
@@ -149,7 +153,7 @@ class _Reduction:
                 rate += share * Linear(self._rates[quantity])
             elif quantity.role == "input":
                 rate += share * Linear(self._inputs[quantity.owner, quantity.order + 1])
-        self._equations.append((rate, next(iter(involved))))
+        self._equations.append((rate, tuple(involved)))
         self._require_target(least, instead)
 
     def _require_target(self, state: Quantity, instead: Linear) -> None:

@@ -42,6 +42,7 @@ class Operand:
 
     code: str
     value: Signal
+    parts: Mapping[str, Operand] = field(default_factory=dict)  # of a bus that is computed always
 
     @property
     def shape(self) -> tuple[int, ...]:

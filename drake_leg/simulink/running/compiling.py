@@ -171,6 +171,11 @@ def _asked(network: SignalNetwork, ports: Ports) -> dict[str, int]:
     return found
 
 
+def _lacks(node: Node) -> list[Lack]:
+    """List the values of a block that are not known; a network has told those that it needs."""
+    return [] if node.part is not None else lacks_of_block(node.block)
+
+
 def _lack(node: Node, error: UnknownValueError) -> Lack:
     return Lack(sid=node.sid, parameter="", text=error.text, reason=str(error), names=error.names)
 
@@ -300,10 +305,9 @@ class _Pass:
             work(writer)
         except UnknownShapeError as error:
             self._unknown.append(f"{writer.about} reads {error}, whose shape is not known")
-            self._list_unknown(lacks_of_block(writer.node.block))
+            self._list_unknown(_lacks(writer.node))
         except UnknownValueError as error:
-            found = lacks_of_block(writer.node.block)
-            self._list_unknown(found or [_lack(writer.node, error)])
+            self._list_unknown(_lacks(writer.node) or [_lack(writer.node, error)])
         except InvalidValueError as error:
             self._problems[str(error)] = None
         except (ArithmeticError, LookupError, ValueError, TypeError, AttributeError):

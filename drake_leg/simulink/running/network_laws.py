@@ -53,3 +53,15 @@ def diode(voltage: float, forward: float, on: float, off: float) -> float:
     if voltage > forward:
         return (voltage - forward * (1.0 - on * off)) / on
     return voltage * off
+
+
+def drive_torque(asked: float, velocity: float, most: float, power: float) -> float:
+    """Return a torque that is asked for, within a torque and a power."""
+    bound = min(most, power / abs(velocity)) if velocity else most
+    return min(max(asked, -bound), bound)
+
+
+def battery_voltage(share: float, full: float, curvature: float) -> float:
+    """Return the voltage of a battery without load, by the share of its charge that is left."""
+    missing = 1.0 - share
+    return full * (1.0 - (1.0 - curvature) * missing / (1.0 - curvature * missing))

@@ -13,7 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.simulink.matlab.compiling.small_matrices import inv_3
 from drake_leg.simulink.running.network_laws import (  # noqa: F401 - names of the code
+    battery_voltage,
     diode,
+    drive_torque,
     friction,
     hard_stop,
 )

@@ -141,7 +141,9 @@ def test_a_loop_of_sources_is_named(tmp_path):
     made = fed()
     made.two(SOURCES, "DC Voltage Source", "other", "a", "0", v0="4")
     made.voltage("a", "0", "held")
-    with pytest.raises(InvalidValueError, match=r"'(source|other)', '(source|other)'.*no solution"):
+    with pytest.raises(
+        InvalidValueError, match=r"'(source|other)', '(source|other)' leave.*no solution"
+    ):
         made.run(tmp_path)
 
 

@@ -233,3 +233,56 @@ def test_parameters_without_sense_are_refused(tmp_path, folder, kind, texts, sai
     made.motion("a", "0", "speed")
     with pytest.raises(InvalidValueError, match=rf"'it' .*{said}"):
         made.run(tmp_path)
+
+
+def driven(made, torque, **texts):
+    """A drive with a rotor, asked for a torque, between the connections p and 0."""
+    sid = made.part("ee_lib/Electromechanical/", "Motor & Drive (System Level)", "drive",
+                    {"lconn:1": "p", "lconn:3": "s", "rconn:1": "0", "rconn:3": "rest"},
+                    torque_speed_param="ee.enum.electromech.envelope.torque_power",
+                    **{"torque_max": "0.5", "power_max": "20", "Tc": "0.05", "eff": "80",
+                       "w_eff": "100", "T_eff": "0.2", "Piron": "1", "Pbase": "0.5", "Res": "0.1",
+                       "J": "2e-3", "lam": "1e-3", **texts})  # fmt: skip
+    asks = made.add_library(
+        "fl_lib/Physical Signals/Sources/PS Constant", "asks", {"constant": torque}
+    )
+    made.physical(f"{asks}#rconn:1", f"{sid}#lconn:2")
+    made.one(TURNING, "Mechanical Rotational Reference", "held", "rest")
+    made.shows(f"{sid}#rconn:2", "speed")
+
+
+def test_a_drive_follows_a_torque_and_draws_its_power(tmp_path):
+    """Tc T' = limited(2) - T, J w' = T - lam w; (24 - R i) i = T w + losses."""
+    made = Circuit()
+    made.ground()
+    made.two("ee_lib/Sources/", "Battery", "battery", "a", "0", Vnom="24", R1="0.4", prm_AH="1")
+    made.current("a", "p", "current")
+    driven(made, "2")
+    run = made.run(tmp_path)
+
+    def rate(_, state):
+        torque, w = state
+        return [(min(0.5, 20.0 / max(abs(w), 1e-9)) - torque) / 0.05, (torque - 1e-3 * w) / 2e-3]
+
+    torque, w = followed(run, rate, [0.0, 0.0])
+    np.testing.assert_allclose(shown(run, "speed"), w, atol=1e-4)
+    copper = (100.0 * 0.2 * 0.25 - 1.5) / 0.2**2
+    power = torque * w + copper * torque**2 + 1.0 * (w / 100.0) ** 2 + 0.5
+    i = shown(run, "current")
+    np.testing.assert_allclose((24.0 - 0.5 * i) * i, power, atol=1e-3)
+
+
+def test_a_battery_has_its_measured_voltage_at_a_part_of_its_charge(tmp_path):
+    made = Circuit()
+    made.ground()
+    made.two("ee_lib/Sources/", "Battery", "battery", "a", "0", Vnom="12", R1="0.5", prm_AH="2",
+             AH="2", AH_unit="A*hr", V1="11", AH1="1.2", AH1_unit="hr*A", charge_specify="on",
+             charge="1.2", charge_unit="A*hr")  # fmt: skip
+    made.resistor("R", "a", "0", "10.5")
+    made.voltage("a", "0", "held")
+    run = made.run(tmp_path, 60.0)
+    assert shown(run, "held")[0] == pytest.approx(11.0 * 10.5 / 11.0, rel=1e-12)
+    assert 10.3 < shown(run, "held")[-1] < 10.5
+    made.blocks[made.sid("battery")].parameters["V1"] = "6"
+    with pytest.raises(InvalidValueError, match=r"'battery'.*no curve from 12 V"):
+        made.run(tmp_path, 1.0)

@@ -213,3 +213,26 @@ def test_a_vector_is_taken_apart_as_the_mechanism_takes_its_parts(tmp_path):
         built.meet(name, f"Push lconn:{number}")
     run = run_model(runnable(built.model(tmp_path), duration=1.0))
     np.testing.assert_allclose(run.states[-1, 4:7], [1.5, 0.0, 1.5], atol=1e-6)
+
+
+def test_a_signal_of_a_bus_does_not_depend_on_the_others(tmp_path):
+    """A torque that follows an angle, which is in one bus with an acceleration."""
+    built = pendulum(
+        TorqueActuationMode="InputTorque", SensePosition="on", SenseAcceleration="on",
+        PositionTargetSpecify="on", PositionTargetValue="20",
+    )  # fmt: skip
+    bus = built.add_block("BusCreator", "all", {"Inputs": "'q','a'"}, ports={"in": 2, "out": 1})
+    for place in (2, 3):
+        leaves = built.add_library("nesl_utility/PS-Simulink Converter", f"leaves{place}")
+        built.meet(f"Pivot rconn:{place}", f"leaves{place} lconn:1")
+        built.connect(f"{leaves}#out:1", f"{bus}#in:{place - 1}")
+    angle = built.add_block("BusSelector", "angle", {"OutputSignals": "q"})
+    built.connect(bus, angle)
+    gain = built.add_block("Gain", "pulls", {"Gain": "-3"})
+    built.connect(angle, gain)
+    enters = built.add_library("nesl_utility/Simulink-PS Converter", "enters", ports={"in": 1})
+    built.connect(gain, enters)
+    built.meet("enters rconn:1", "Pivot lconn:2")
+    run = run_model(runnable(read_model(built.write(tmp_path / "m.slx")), duration=0.1))
+    assert run.complete
+    assert abs(run.states[-1, 0]) < abs(run.states[0, 0])

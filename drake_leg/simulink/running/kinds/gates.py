@@ -131,7 +131,7 @@ def outport(w: Writer) -> None:
 
         show(w, [w.node.block.name])
         return
-    made = w.let(w.input(0).code if not w.settings.has("Element") else joined_bus(w))
+    made = joined_bus(w) if w.settings.has("Element") else w.let(w.input(0).code)
     port = f"{w.node.sid}#out:1"
     w.pen.values[port] = made
     w.pen.gates_of[port] = w.gates

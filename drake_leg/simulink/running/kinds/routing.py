@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from drake_leg.simulink.running.code import Operand, Writer, literal
+from drake_leg.simulink.running.code import CONTINUOUS, Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.settings import as_signal, flat, shape_of
 
@@ -109,8 +110,15 @@ def demux(w: Writer) -> None:
 def bus(w: Writer) -> None:
     """Join signals under their names."""
     names = bus_names(w)
-    items = ", ".join(f"{name!r}: {one.code}" for name, one in zip(names, w.inputs, strict=False))
-    w.out(f"{{{items}}}")
+    signals = dict(zip(names, w.inputs, strict=False))
+    made = w.let(f"{{{', '.join(f'{name!r}: {one.code}' for name, one in signals.items())}}}")
+    w.put(parted(w, made, signals))
+
+
+def parted(w: Writer, bus: Operand, signals: Mapping[str, Operand]) -> Operand:
+    """Let what reads a signal of a bus not read the others, where the bus is computed always."""
+    is_current = w.rate == CONTINUOUS and not w.gates
+    return replace(bus, parts=signals) if is_current else bus
 
 
 def bus_names(w: Writer) -> list[str]:
@@ -153,13 +161,14 @@ def selected_of_bus(w: Writer) -> None:
         w.out(f"{{{items}}}")
         return
     for place, one in enumerate(made):
-        w.put(w.let(one.code, asked[place]), place)
+        w.put(replace(w.let(one.code, asked[place]), parts=one.parts), place)
 
 
-def joined_bus(w: Writer) -> str:
+def joined_bus(w: Writer) -> Operand:
     """Write the bus of the signals at all inputs by their names."""
-    named = zip(w.node.names, w.inputs, strict=True)
-    return written_bus({name: one.code for name, one in named})
+    signals = dict(zip(w.node.names, w.inputs, strict=True))
+    made = w.let(written_bus({name: one.code for name, one in signals.items()}))
+    return parted(w, made, {name: one for name, one in signals.items() if "." not in name})
 
 
 def written_bus(signals: Mapping[str, str]) -> str:
@@ -186,8 +195,9 @@ _NUMBERED = re.compile(r"signal(?P<only>\d{1,4})|.*\(signal (?P<alike>\d{1,4})\)
 
 def of_bus(w: Writer, bus: Operand, name: str) -> Operand:
     """Take a signal out of a bus by its name, in which dots lead inwards."""
-    code, value = bus.code, bus.value
+    found = bus
     for part in name.split("."):
+        code, value = found.code, found.value
         if not isinstance(value, dict) or part not in value:
             numbered = _NUMBERED.fullmatch(part)
             place = int(numbered["only"] or numbered["alike"]) if numbered else 0
@@ -197,8 +207,9 @@ def of_bus(w: Writer, bus: Operand, name: str) -> Operand:
             else:
                 known = ", ".join(names[:10])
                 raise w.fault(f"selects {name!r}, but the bus has {known or 'no such signal'}")
-        code, value = f"{code}[{part!r}]", value[part]
-    return Operand(code=code, value=value)
+        inner = Operand(code=f"{code}[{part!r}]", value=value[part])
+        found = found.parts.get(part, inner)
+    return found
 
 
 @kind("BusAssignment", sample_time="")

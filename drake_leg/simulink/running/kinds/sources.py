@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from drake_leg.simulink.running.code import Writer, literal
@@ -350,7 +352,8 @@ def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray, t
 def inport(w: Writer) -> None:
     """Put out zero: nothing is given at a model's own ports; take an element out of a bus."""
     if w.node.block.system:
-        w.put(w.let(of_bus(w, w.input(0), w.settings.text("Element")).code))
+        taken = of_bus(w, w.input(0), w.settings.text("Element"))
+        w.put(replace(w.let(taken.code), parts=taken.parts))
         return
     shape = tuple(int(each) for each in w.settings.numbers("PortDimensions", "-1"))
     if min(shape) < 1:
