@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, MutableMapping
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -11,7 +11,8 @@ from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.data import LackError, Struct
 
 Values = list[Any]
-Memory = dict[str, Any]  # persistent variables of all functions
+Memory = dict[str, Any]  # persistent variables of all functions, and global ones
+GLOBAL = "global "  # before the name of one
 
 
 @dataclass(kw_only=True, eq=False)
@@ -37,6 +38,28 @@ class Kept:
 
     def __setitem__(self, name: str, value: Any) -> None:  # noqa: ANN401
         self._memory[f"{self._of}.{name}"] = value
+
+
+class Shared(MutableMapping[str, Any]):
+    """The global variables, in the memory of all."""
+
+    def __init__(self, memory: Memory) -> None:
+        self._memory = memory
+
+    def __getitem__(self, name: str) -> Any:  # noqa: ANN401 - any value of a script
+        return self._memory[f"{GLOBAL}{name}"]
+
+    def __setitem__(self, name: str, value: Any) -> None:  # noqa: ANN401
+        self._memory[f"{GLOBAL}{name}"] = value
+
+    def __delitem__(self, name: str) -> None:
+        del self._memory[f"{GLOBAL}{name}"]
+
+    def __iter__(self) -> Iterator[str]:
+        return (key.removeprefix(GLOBAL) for key in self._memory if key.startswith(GLOBAL))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
 
 
 def place_of(file: File, function: syntax.Function) -> str:

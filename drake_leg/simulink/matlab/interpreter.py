@@ -24,7 +24,7 @@ from drake_leg.simulink.matlab.data import (
     boxed,
     items_of,
 )
-from drake_leg.simulink.matlab.frames import File, Frame, Host, Kept, Memory, Values
+from drake_leg.simulink.matlab.frames import File, Frame, Host, Kept, Memory, Shared, Values
 from drake_leg.simulink.matlab.indexing import ALL, columns, last, read
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
 from drake_leg.simulink.matlab.names import assigned, called, first_of, path_of, places
@@ -41,9 +41,12 @@ class Interpreter:
 
     def __init__(self, host: Host, budget: Allowance, memory: Memory | None = None) -> None:
         self.host, self.budget = host, budget
-        self.globals: dict[str, Any] = {}
-        self.memory: Memory = {} if memory is None else memory
         self.random = Generator()
+        self.remember({} if memory is None else memory)
+
+    def remember(self, memory: Memory) -> None:
+        """Keep persistent and global variables in a memory, with those that are in it."""
+        self.memory, self.globals = memory, Shared(memory)
 
     # --- statements ---------------------------------------------------------------------------
 

@@ -97,6 +97,11 @@ class Workspace:
         for path in paths:
             self.folders.add(path, inside=True)
 
+    @property
+    def globals(self) -> Mapping[str, Any]:
+        """The global variables of scripts."""
+        return self._interpreter.globals
+
     def set(self, name: str, value: Any, source: str, *, fixed: bool = False) -> None:  # noqa: ANN401
         """Set a variable and say where it comes from; scripts do not change a `fixed` one."""
         self.variables[name] = value

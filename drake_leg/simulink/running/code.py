@@ -134,7 +134,9 @@ class Pen:
         folders: Folders | None = None,
         guesses: Mapping[str, Signal] | None = None,
         asked: Mapping[str, int] | None = None,
+        shared: Mapping[str, Any] | None = None,
     ) -> None:
+        self.shared = shared or {}  # global variables of scripts
         self.folders = folders  # where functions lie in files
         self.asked = asked or {}  # how many numbers the mechanism takes of a signal, by port
         self.sections: list[Section] = []

@@ -147,7 +147,7 @@ def _attempt(
     widenings: Counter[AlgebraicLoop] = Counter()
     asked = _asked(network, ports)
     for _ in range(PASSES):
-        pen = Pen(shapes, network.folders, guesses, asked)
+        pen = Pen(shapes, network.folders, guesses, asked, network.shared)
         pen.scope["t"] = begins
         job = _Pass(nodes, order, rates, ports, network, pen)
         job.write(refused, widenings)

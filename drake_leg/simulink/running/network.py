@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
@@ -52,6 +53,7 @@ class SignalNetwork:
     loops: tuple[Block, ...] = ()  # subsystems that iterate
     entries: tuple[Block, ...] = ()  # the model's own ports, where nothing is given
     folders: Folders | None = None  # where functions lie in files
+    shared: Mapping[str, Any] = field(default_factory=dict)  # global variables of scripts
 
 
 def selected_names(block: Block) -> list[str]:
@@ -145,6 +147,7 @@ class _Reading:
             loops=tuple(self._systems[sid] for sid in loops if sid in self._systems),
             entries=self._entries,
             folders=None if variables is None else variables.workspace.folders,
+            shared={} if variables is None else variables.workspace.globals,
         )
 
     def _in_networks(self) -> Iterator[Node]:

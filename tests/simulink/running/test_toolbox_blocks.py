@@ -108,3 +108,16 @@ def test_a_discrete_filter_of_scipy_is_that_of_a_sampled_system(tmp_path):
     _, y = signal.step(([1.0], [1.0, 1.0, 4.0]), T=STEP * np.arange(11))
     sample = np.floor(run.time / STEP + 1e-9).astype(int)
     np.testing.assert_allclose(shown(run, "y"), y[sample], atol=1e-9)
+
+
+def test_a_function_in_a_file_sees_the_global_variables_of_scripts(tmp_path):
+    """It counts its samples, from a number that a callback sets."""
+    (tmp_path / "counted.m").write_text(
+        "function y = counted(x)\nglobal K n\nif isempty(n), n = 0; end\nn = n + x;\ny = K + n;\n"
+    )
+    rig = Rig(callbacks={"PreLoadFcn": "global K\nK = 40;"})
+    held = rig.block("ZeroOrderHold", "held", rig.constant("2"), SampleTime=f"{STEP}")
+    rig.show(rig.block("MATLABFcn", "file", held, MATLABFcn="counted"), "y")
+    run = rig.run(tmp_path, 0.5)
+    sample = np.floor(run.time / STEP + 1e-9)
+    np.testing.assert_array_equal(shown(run, "y"), 42.0 + 2.0 * sample)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.checking import walked
 from drake_leg.simulink.matlab.data import LackError
@@ -28,21 +30,42 @@ _DRAWING = ("rand", "randi", "rng")
 
 
 def keeps(main: syntax.Function, file: File, host: Alone) -> bool:
-    """Whether a function, or one that it calls, has persistent variables or random numbers."""
+    """Tell whether a function, or one that it calls, leaves something for its next call.
+
+    That are persistent and global variables, and where random numbers go on.
+    """
+    return any(
+        isinstance(each, syntax.Declare) or each in _DRAWING
+        for each in _carried_out(main, file, host)
+    )
+
+
+def shared_names(main: syntax.Function, file: File, host: Alone) -> frozenset[str]:
+    """Names of the global variables of a function, and of those that it calls."""
+    return frozenset(
+        name
+        for each in _carried_out(main, file, host)
+        if isinstance(each, syntax.Declare) and each.keyword == "global"
+        for name in each.names
+    )
+
+
+def _carried_out(
+    main: syntax.Function, file: File, host: Alone
+) -> Iterator[syntax.Statement | str]:
+    """Yield the statements of a function and of those that it calls, and names that it uses."""
     open_ones, seen = [(main, file)], {id(main)}
     while open_ones:
         function, home = open_ones.pop()
         for statement, expressions in walked(function.body):
-            if isinstance(statement, syntax.Declare):
-                return True
+            yield statement
             for name in names_in(tuple(node for _, node in expressions)):
                 own = own_function(name, home, host)
-                if own is None and name in _DRAWING:
-                    return True
-                if own is not None and id(own[0]) not in seen:
+                if own is None:
+                    yield name
+                elif id(own[0]) not in seen:
                     seen.add(id(own[0]))
                     open_ones.append(own)
-    return False
 
 
 def own_function(name: str, home: File, host: Alone) -> tuple[syntax.Function, File] | None:

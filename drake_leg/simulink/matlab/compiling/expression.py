@@ -10,6 +10,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.compiling.function import CompiledFunction, made
 from drake_leg.simulink.matlab.folders import Folders
+from drake_leg.simulink.matlab.frames import Memory
 from drake_leg.simulink.matlab.names import names_in
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.program import parsed_expression
@@ -38,15 +39,31 @@ class CompiledExpression:
         """Python source for the kinds of arguments of the calls so far; "" before the first."""
         return self._function.source
 
-    def __call__(self, *arguments: Any) -> Any:
+    @property
+    def keeps(self) -> bool:
+        """Whether a function that it calls leaves something for the next call."""
+        return self._function.keeps
+
+    def start(self, shared: Mapping[str, Any] | None = None) -> Memory:
+        """Return what is kept before the first call, as `CompiledFunction.start` does."""
+        return self._function.start(shared)
+
+    def __call__(self, *arguments: Any, kept: Memory | None = None) -> Any:
         """Evaluate the expression; what is true is 1.
+
+        Parameters
+        ----------
+        *arguments
+            Of its names.
+        kept : dict, optional
+            What functions keep, from `start`; the call changes it.
 
         Raises
         ------
         InvalidValueError
             If it cannot be evaluated.
         """
-        (found,) = self._function.call({}, *arguments)
+        (found,) = self._function.call({} if kept is None else kept, *arguments)
         return float(found) if isinstance(found, bool) else found
 
 

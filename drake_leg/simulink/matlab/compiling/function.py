@@ -16,12 +16,12 @@ from drake_leg.simulink.matlab.checking import (
     means_something,
     require_supported,
 )
-from drake_leg.simulink.matlab.compiling.beside import Beside, is_beside, keeps
+from drake_leg.simulink.matlab.compiling.beside import Beside, is_beside, keeps, shared_names
 from drake_leg.simulink.matlab.compiling.machine import Machine
 from drake_leg.simulink.matlab.compiling.values import inward, outward
 from drake_leg.simulink.matlab.compiling.variants import Variants
 from drake_leg.simulink.matlab.folders import Folders
-from drake_leg.simulink.matlab.frames import Alone, File, Memory
+from drake_leg.simulink.matlab.frames import GLOBAL, Alone, File, Memory
 from drake_leg.simulink.matlab.numeric import MatlabError, quiet
 from drake_leg.simulink.matlab.program import small_budget
 
@@ -68,13 +68,21 @@ class CompiledFunction:
         """Whether a call may leave something for the next: in functions of other files, too."""
         return keeps(self._main, self._file, self._machine.host)
 
-    def start(self) -> Memory:
-        """Return the persistent variables before the first call.
+    def start(self, shared: Mapping[str, Any] | None = None) -> Memory:
+        """Return the persistent variables before the first call, and global ones.
 
         A copy by ``dict`` keeps them as they are: a call puts other values into the dict, and
         leaves the values themselves as they were.
+
+        Parameters
+        ----------
+        shared : mapping, optional
+            The global variables of scripts; those are taken that the function declares.
         """
-        return {}
+        if not shared:
+            return {}
+        names = shared_names(self._main, self._file, self._machine.host)
+        return {f"{GLOBAL}{name}": shared[name] for name in sorted(names & shared.keys())}
 
     def call(self, persistent: Memory, *arguments: Any) -> tuple[Any, ...]:
         """Call the function once.

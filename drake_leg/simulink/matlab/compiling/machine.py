@@ -28,7 +28,8 @@ class Machine:
 
     def begin(self, memory: Memory) -> None:
         """Prepare for a call with copies of the persistent variables."""
-        self.memory = self._interpreter.memory = dict(memory)
+        self.memory = dict(memory)
+        self._interpreter.remember(self.memory)
         self.budget.taken = self.budget.made = 0
 
     def main(self, function: syntax.Function, file: File, arguments: Values, wanted: int) -> Values:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from drake_leg.simulink.matlab.checking import means_something
 from drake_leg.simulink.matlab.compiling import compiled, compiled_expression
 from drake_leg.simulink.matlab.folders import Folders
+from drake_leg.simulink.matlab.frames import Memory
 from drake_leg.simulink.running.code import Call, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.network import OF_SYSTEM
@@ -24,17 +26,33 @@ class Expression:
         self.text = text
         self._function = compiled_expression(text, names, functions=folders)
 
-    def __call__(self, *values: Signal) -> Signal:
+    @property
+    def keeps(self) -> bool:
+        """Whether a function that it calls leaves something for the next call."""
+        return self._function.keeps
+
+    def start(self, shared: Mapping[str, Any] | None = None) -> Memory:
+        """Return what is kept before the first call, with the global variables of scripts."""
+        return self._function.start(shared)
+
+    def __call__(self, *values: Signal, kept: Memory | None = None) -> Signal:
         """Evaluate it."""
-        return settled(real(self._function(*values)))
+        return settled(real(self._function(*values, kept=kept)))
 
 
 def expression_code(w: Writer, text: str, names: Mapping[str, Operand]) -> str:
-    """Write the value of a MATLAB expression of some names."""
+    """Write the value of a MATLAB expression of some names.
+
+    What functions keep that it calls changes at major steps, or at the block's samples.
+    """
     given = {name: w.settings.evaluate(name, name) for name in _free_names(w, text, names)}
     function = Expression(text, (*names, *given), w.pen.folders)
     constants = (w.constant(value, name) for name, value in given.items())
     arguments = ", ".join((*(one.code for one in names.values()), *constants))
+    if function.keeps:
+        before = w.remembered(function.start(w.pen.shared)).code
+        w.kept["kept"] = w.let(f"copied({before})", "kept").code
+        arguments += f", kept={w.kept['kept']}"
     name = w.constant(function, "expression")
     w.pen.written[name] = Call(function="Expression", arguments=(text, (*names, *given)))
     return f"{name}({arguments})"
@@ -52,24 +70,24 @@ def _free_names(w: Writer, text: str, names: Mapping[str, Operand]) -> list[str]
     return found
 
 
+def _after(w: Writer) -> None:
+    if "kept" in w.kept:
+        w.remember(w.kept["kept"])
+
+
 @kind("Fcn")
 def fcn(w: Writer) -> None:
     """Evaluate an expression of u."""
     w.out(f"float({expression_code(w, w.settings.text('Expr', 'u'), {'u': w.numeric()})})")
 
 
-@kind("MATLABFcn")
+@kind("MATLABFcn", finish=_after)
 def matlab_fcn(w: Writer) -> None:
     """Call a function by its name, or evaluate an expression of u."""
     text = w.settings.text("MATLABFcn", "sin")
     if "(" not in text:
         text = f"{text}(u)"
     w.out(f"settled({expression_code(w, text, {'u': w.numeric()})})")
-
-
-def _after(w: Writer) -> None:
-    if "kept" in w.kept:
-        w.remember(w.kept["kept"])
 
 
 def _argument(w: Writer, place: int, name: str) -> Operand:

@@ -60,3 +60,18 @@ def test_an_expression_of_numbers_is_pythons_own():
 def test_what_is_wrong_is_said(text, reason):
     with pytest.raises(InvalidValueError, match=reason):
         compiled_expression(text)(U)
+
+
+def test_what_functions_in_files_keep_goes_from_call_to_call(tmp_path):
+    (tmp_path / "counted.m").write_text(
+        "function y = counted(x)\npersistent n\nglobal K\nif isempty(n), n = 0; end\n"
+        "n = n + 1;\ny = K*x + n;\nend\n"
+    )
+    folders = Folders()
+    folders.add(tmp_path)
+    expression = compiled_expression("counted(u(1))", functions=folders)
+    assert expression.keeps
+    kept = expression.start({"K": 10.0, "other": 3.0})
+    assert kept == {"global K": 10.0}
+    assert [expression(U, kept=kept) for _ in range(3)] == [21.0, 22.0, 23.0]
+    assert expression(U, kept=expression.start({"K": 1.0})) == 3.0
