@@ -258,10 +258,14 @@ class Module:
 
 
 def _is_plain(function: syntax.Function, given: int, wanted: int) -> bool:
+    """Tell whether a call has no list of arguments, but one that is empty and not read."""
+    inputs = function.inputs
+    if inputs[-1:] == ("varargin",) and "varargin" not in names_in(_expressions(function.body)):
+        inputs = inputs[:-1]
     return not (
         function.arguments
-        or {"varargin", "varargout"} & {*function.inputs, *function.outputs}
-        or given > len(function.inputs)
+        or {"varargin", "varargout"} & {*inputs, *function.outputs}
+        or given > len(inputs)
         or wanted > len(function.outputs)
     )
 

@@ -133,3 +133,14 @@ y = sin(t) + calls;
     (first,) = function.call(kept, 0.5)
     (second,) = function.call(kept, 0.5)
     assert (first, second) == (math.sin(0.5) + 1.0, math.sin(0.5) + 2.0)
+
+
+def test_a_list_of_inputs_that_nobody_gives_is_no_matter():
+    function = compiled("""
+function y = f(u)
+y = g(u, 2);
+function y = g(u, k, varargin)
+y = k*u + nargin;
+""")
+    assert function.call(function.start(), 3.0) == (8.0,)
+    assert "interpreted(" not in function.source
