@@ -144,3 +144,30 @@ y = k*u + nargin;
 """)
     assert function.call(function.start(), 3.0) == (8.0,)
     assert "interpreted(" not in function.source
+
+
+def test_a_call_with_the_same_numbers_is_not_computed_again(monkeypatch):
+    function = compiled("function y = f(u, v)\ny = sum(v)/u;")
+    computed, compute = [], function._computed
+    monkeypatch.setattr(
+        function, "_computed", lambda *given: (computed.append(1), compute(*given))[1]
+    )
+    v = np.array([1.0, 2.0])
+    for u in (2.0, 4.0, 2.0, 0.0, -0.0, 4.0):
+        expected = 3.0 / u if u else np.copysign(np.inf, u)
+        assert function.call({}, u, v) == (expected,)
+    assert len(computed) == 4
+    v[0] = 5.0
+    assert function.call({}, 2.0, v) == (3.5,)
+
+
+def test_a_call_that_keeps_something_is_always_computed():
+    function = compiled("""
+function y = f(u)
+persistent n
+if isempty(n), n = 0; end
+n = n + u;
+y = n;
+""")
+    kept = function.start()
+    assert [function.call(kept, 1.0) for _ in range(3)] == [(1.0,), (2.0,), (3.0,)]
