@@ -150,7 +150,7 @@ WALKS = {
         {"speed": 0.0, "height": 0.11, "duration": 3.0}, {"mean_height_error_m": 2e-4}
     ),
     "0.2 m/s": Walk({"speed": 0.2, "period": 0.8}, {DISTANCE: 0.4}),
-    "0.3 m/s": Walk({"speed": 0.3, "period": 0.6}, {DISTANCE: 0.8}),
+    "0.3 m/s": Walk({"speed": 0.3, "period": 0.62, "duty": 0.5}, {DISTANCE: 0.8}),
     "xl430, gain 800, feedback": Walk(P800 | {"feedback": 4.0}, {DISTANCE: 0.6}),
     "xl430, gain 800, feedback, 10 deg up": Walk(P800 | SLOPE | {"feedback": 4.0}, {DISTANCE: 0.6}),
     "10 deg up": Walk(SLOPE, {DISTANCE: 2.0}),

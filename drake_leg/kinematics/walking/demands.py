@@ -12,6 +12,12 @@ import numpy as np
 from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.walking.clearance import capsules_of
 from drake_leg.kinematics.walking.gaits import Walk
+from drake_leg.kinematics.walking.lateness import (
+    GAP,
+    LATE,
+    late_times,
+    position_errors,
+)
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.loads import outwards_on, planned_loads
 from drake_leg.kinematics.walking.planned import PlannedWalk
@@ -21,7 +27,6 @@ from drake_leg.robot.servos import Servo
 from drake_leg.units import AT_LIMIT, STANDARD_GRAVITY
 
 BEHIND = 0.15  # [rad], how far a joint may be behind its plan while its foot stands
-GAP = 10.0  # median steps; a longer one is a gap between times
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,6 +208,25 @@ class Abilities:
             f"foot on the ground, because it is to turn at {fast:.4g} rad/s and give {strong:.4g} "
             f"N*m, and the servo {servo.name!r} turns at most at {servo.no_load_speed:.4g} rad/s "
             f"and gives at most {stall[leg, joint]:.4g} N*m",
+        )  # fmt: skip
+        yield self._lateness(plan, servo, torques, stall)
+
+    def _lateness(self, plan: PlannedWalk, servo: Servo, torques: Array, stall: Array) -> Demand:
+        errors = position_errors(plan.times, torques, stall, servo)
+        J = self.legs.jacobians(plan.angles)
+        off = np.linalg.norm(J @ errors[..., np.newaxis], axis=(-2, -1))
+        late = late_times(plan.times, off, plan.down)
+        number, leg = _least(-late)
+        share = float(late.max(axis=0).mean()) / plan.walk.period
+        strong = np.abs(torques[:, leg]).max(axis=0)
+        joint = int(np.argmax(strong / stall[leg]))
+        name = self.legs.names[leg]
+        return _demand(
+            plan, number, "late feet", name, share, LATE, LATE - share, "of a period",
+            f"feet would come late to their places, and stand out of them for {100.0 * share:.2g} "
+            f"% of a period, worst of all {name}{{when}}, because in its swing the joint "
+            f"{self.legs.joint_names[leg][joint]} is to give {strong[joint]:.4g} N*m, and the "
+            f"servo {servo.name!r} gives at most {stall[leg, joint]:.4g} N*m",
         )  # fmt: skip
 
     def _drive_torques(self, plan: PlannedWalk, servo: Servo) -> Array:

@@ -285,7 +285,7 @@ class WalkForesight:
         return 0.0
 
     def _near(self, time: float) -> Array:
-        return self._plan.times[np.abs(self._plan.times - time) <= 0.5 * self.walk.period]
+        return self._plan.times[np.abs(self._plan.times - time) <= self.walk.period]
 
     # --- parts ---
 

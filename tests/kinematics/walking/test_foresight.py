@@ -13,6 +13,7 @@ from drake_leg.kinematics.walking.demands import BEHIND, lags
 from drake_leg.kinematics.walking.foresight import foresee_walk
 from drake_leg.kinematics.walking.gait import GAITS, Gait
 from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk
+from drake_leg.kinematics.walking.lateness import LATE, late_times, position_errors
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.robot.ground import Ground, Steps
 from drake_leg.robot.hexapods import HEXABOT, Hip, hexapod
@@ -155,6 +156,50 @@ def test_a_servo_is_behind_by_what_its_line_lacks_and_catches_up():
     assert behind[:, 1].tolist() == (-behind[:, 0]).tolist()
     again = lags(np.append(times[:50], times[:50] + 3.0), torques[:100], np.full(2, 1.5), 0.25)
     assert again[50].tolist() == [0.0, 0.0]  # after a gap
+
+
+@pytest.mark.slow
+def test_swings_that_servos_cannot_follow_are_refused_with_the_greatest_lift():
+    """In the simulation, at 0.2 m/s and a period of 0.3 s a hexabot loses 6 % of its way."""
+    walk = walk_of(replace(FORWARD, forward=0.2), period=0.3)
+    part, torque, stall, lift = says(
+        foresee_walk(HEXABOT, walk, IDEAL),
+        r"feet would come late to their places, and stand out of them for (\d+) % of a period, "
+        r"worst of all left_rear at .*, because in its swing the joint left_rear_\w+ is to give "
+        r"([\d.]+) N\*m, and the servo 'ideal' gives at most ([\d.]+) N\*m: a lift of ([\d.]+) m "
+        r"is the greatest that works",
+    )
+    assert part > 100.0 * LATE
+    assert torque > stall == IDEAL.stall_torque
+    for share, refused in ((1.0, False), (1.2, True)):
+        lower = walk_of(replace(FORWARD, forward=0.2), period=0.3, lift=share * lift)
+        assert (foresee_walk(HEXABOT, lower, IDEAL).refusal is not None) is refused
+    calmer = walk_of(replace(FORWARD, forward=0.2), period=0.4)
+    assert foresee_walk(HEXABOT, calmer, IDEAL).refusal is None
+
+
+def test_a_position_controller_brings_a_late_rotor_back():
+    """A load of 2 N*m for 0.1 s, then of 0.5 N*m, on a servo that drives with 1.5 N*m at most."""
+    times = np.linspace(0.0, 0.6, 6001)
+    torques = np.where(times < 0.1, 2.0, 0.5)[:, np.newaxis] * [1.0, -1.0]
+    stall, emf, rotor = IDEAL.stall_torque, IDEAL.back_emf_damping, IDEAL.rotor_inertia
+    error = position_errors(times, torques, np.full(2, stall), IDEAL)
+    assert error[:, 1].tolist() == (-error[:, 0]).tolist()
+    rising = times[:1000]  # inertia e'' + emf e' = 0.5
+    lag = (rising - rotor / emf * -np.expm1(-rising * emf / rotor)) * 0.5 / emf
+    assert error[:1000, 0] == pytest.approx(lag, abs=1e-4)
+    assert error[1000:, 0].max() < 1.3 * lag[-1]
+    assert abs(error[-1, 0]) < 1e-3 * lag[-1]
+    assert not position_errors(times, torques[::-1] / 2.0, np.full(2, stall), IDEAL).any()
+
+
+def test_a_foot_is_late_while_it_stands_out_of_its_place():
+    times = np.array([0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 9.0])
+    off = np.array([1.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0])[:, np.newaxis] * [1e-3, 1e-4]
+    down = np.array([1, 0, 1, 1, 1, 1, 1], dtype=bool)[:, np.newaxis] & [True, True]
+    late = late_times(times, off, down)
+    assert late[:, 0] == pytest.approx([0.0, 0.0, 0.0, 0.1, 0.2, 0.2, 0.2])
+    assert not late[:, 1].any()
 
 
 @pytest.mark.slow
