@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from time import monotonic
 
 import numpy as np
-from pydrake.systems.analysis import SimulatorConfig
 
 from drake_leg.arguments import checked
 from drake_leg.errors import InvalidValueError, MissingThingsError, UnknownValueError
@@ -16,7 +14,7 @@ from drake_leg.progress import interrupts_kept
 from drake_leg.simulation.integrator import require_accuracy
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
-from drake_leg.simulink.model import LOOPS, Model, number, split_port, vector
+from drake_leg.simulink.model import LOOPS, Model, number, split_port
 from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.networks.reflection import reflected_of
 from drake_leg.simulink.running.compiling import (
@@ -27,26 +25,30 @@ from drake_leg.simulink.running.compiling import (
     missing_for_run,
 )
 from drake_leg.simulink.running.diagram import Array, ModelDiagram, pattern_of, rates_of
+from drake_leg.simulink.running.integrating import (
+    ACCURACY,
+    automatic_step,
+    config_of,
+    has_fixed_steps,
+    is_stiff,
+    solver_of,
+)
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
 from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
-from drake_leg.simulink.running.stepping import FAST, STIFF, Stepper
-from drake_leg.simulink.running.watching import StepWatch, reason_of
+from drake_leg.simulink.running.stepping import STIFF, Stepper
+from drake_leg.simulink.running.system import base_rate
+from drake_leg.simulink.running.watching import StepWatch, is_too_short, reason_of
 from drake_leg.units import require_non_negative, require_positive
 
-ACCURACY = 1e-6
 ROWS = 500  # of a recording
-STEPS = 50  # at least, of a run, as Simulink takes
 SAME_TIME = 1e-9  # [s]
 SHORTEST_STEP = 1e-10  # of the duration
 MOST_CORNERS = 100_000
-# Contact is stiff, and a model that takes short steps: implicit steps as of ode15s are longer.
-STIFF_ACCURACY = 1e-3
 _SOLVED = ("none", "warning")  # settings with which Simulink solves algebraic loops
-STIFF_SOLVERS = ("ode15s", "ode23s", "ode23t", "ode23tb", "daessc", "ode14x", "ode1be")
-FINEST = 1e-10  # accuracy that a file may ask for
 OWN_ACCURACY = 1e-5  # at most, of own steps: finer ones cost little
 INTERRUPTED = "interrupted"
+SHOWN_TIMES = 5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +75,7 @@ class ModelRun:
     seconds: float = 0.0  # that the run took
     steps: int = 0
     integrator: str = ""  # Drake's name of it, or those of own steps
-    accuracy: float = 0.0  # that was asked for
+    accuracy: float | None = None  # that was asked for; None of fixed steps
     longest_step: float = 0.0  # [s]
     remarks: tuple[str, ...] = ()
 
@@ -148,7 +150,7 @@ def runnable(
     network = signal_network(model, mechanism.motions if mechanism else frozenset())
     ports = _ports(mechanism, None)
     try:
-        solver = _solver(model, duration)
+        solver = solver_of(model, duration, signals_alone=not has_mechanism(model))
     except UnknownValueError as error:
         refuse([str(error), *missing_for_run(network, solve_loops=solve_loops)], A_RUN)
         raise
@@ -164,6 +166,9 @@ def runnable(
         )
 
     code = compile_with(ports)
+    if has_fixed_steps(model) and "fixed step" not in solver:
+        solver["fixed step"] = automatic_step(solver["duration"], base_rate(code.rates))
+        code = compile_with(ports)
     if mechanism is not None and ports.inputs:
         u = _commands(code, ports)
         ports = _ports(mechanism, u)
@@ -179,34 +184,6 @@ def runnable(
         solver=solver,
         start=_commands(code, ports) if ports.inputs else None,
     )
-
-
-def _solver(model: Model, duration: float | None) -> dict[str, float]:
-    found = {"duration": _span(model) if duration is None else duration}
-    if not math.isfinite(found["duration"]):
-        raise InvalidValueError("the model runs for ever: give `duration`")
-    longest = vector(model.solver.get("MaxStep"))
-    if longest and math.isfinite(longest[0]):
-        found["longest step"] = longest[0]
-    tolerances = vector(model.solver.get("RelTol"))
-    if not has_mechanism(model):  # its states are of the size of 1; those of signals may be small
-        tolerances = (*tolerances, *vector(model.solver.get("AbsTol")))
-    if positive := [each for each in tolerances if each > 0.0]:
-        found["tolerance"] = max(min(positive), FINEST)
-    if model.solver.get("Solver") in STIFF_SOLVERS:
-        found["stiff"] = 1.0
-    if model.solver.get("SolverType") == "Fixed-step":
-        step = vector(model.solver.get("FixedStep"))
-        found["fixed step"] = step[0] if step else found["duration"] / STEPS
-    return found
-
-
-def _span(model: Model) -> float:
-    """Return how long a model runs by itself [s]."""
-    begins, ends = number(model.solver.get("StartTime")), number(model.solver.get("StopTime"), 10.0)
-    if ends < begins:
-        raise InvalidValueError(f"the model starts at {begins:g} s and stops at {ends:g} s")
-    return ends - begins
 
 
 def _ports(mechanism: MechanismSystem | DrivenMechanism | None, u: Array | None) -> Ports:
@@ -298,9 +275,11 @@ def run_model(
     context = diagram.CreateDefaultContext()
     if diagram.mechanism is not None:
         diagram.mechanism.start(context, ready.start)
-    config = _config(ready, accuracy)
-    # Short steps of a fine accuracy are no sign of stiffness.
-    watch = StepWatch(diagram, budget, progress, may_crawl=config.accuracy >= ACCURACY)
+    config = config_of(diagram, ready.solver, accuracy)
+    # Short steps of a fine accuracy are no sign of stiffness, nor are those that a file asks for.
+    by_error = config.use_error_control
+    may_crawl = by_error and config.accuracy >= ACCURACY
+    watch = StepWatch(diagram, budget, progress, may_crawl=may_crawl)
     stepper = Stepper(
         diagram,
         context,
@@ -310,20 +289,15 @@ def run_model(
         watch=watch,
         events=diagram.signals,
     )
-    if ready.code.has_edges or _is_stiff(ready, config):
+    if by_error and (ready.code.has_edges or is_stiff(diagram, ready.solver, config)):
         _take_own_steps(ready, stepper)
     began = monotonic()
     stopped = ""
     try:
         with interrupts_kept(), np.errstate(all="ignore"):
             stepper.begin()
-            duration = ready.solver["duration"]
-            for time, is_row in moments(ready.code, duration, diagram.signals.base):
-                is_there = stepper.advance(time, lambda: bool(watch.stopped))
-                if watch.crawls and not stepper.is_stiff:
-                    stepper.change(STIFF)
-                    _take_own_steps(ready, stepper)
-                    is_there = stepper.advance(time, lambda: bool(watch.stopped))
+            for time, is_row in _moments(ready, None if by_error else ready.solver["fixed step"]):
+                is_there = _advance(ready, stepper, watch, time)
                 if not is_there:
                     break
                 if is_row:
@@ -339,23 +313,39 @@ def run_model(
     return _recorded(ready, stepper, watch, stopped, monotonic() - began)
 
 
-def _config(ready: Runnable, accuracy: float | None) -> SimulatorConfig:
-    mechanism, duration = ready.diagram.mechanism, ready.solver["duration"]
-    is_stiff = isinstance(mechanism, MechanismSystem) and mechanism.touches
-    usual = STIFF_ACCURACY if is_stiff else ACCURACY
-    return SimulatorConfig(
-        integration_scheme=STIFF if is_stiff else "runge_kutta3",
-        accuracy=accuracy or min(usual, ready.solver.get("tolerance", usual)),
-        max_step_size=ready.solver.get("longest step", duration / STEPS if duration else 1.0),
-        use_error_control=True,
-    )
+def _moments(ready: Runnable, step: float | None) -> Iterator[tuple[float, bool]]:
+    """Yield the times to which a run goes, and whether each is that of a row."""
+    duration, base = ready.solver["duration"], ready.diagram.signals.base
+    yield from moments(ready.code, duration, base, step)
 
 
-def _is_stiff(ready: Runnable, config: SimulatorConfig) -> bool:
-    """Tell what is known before: bodies may touch, or signals alone are integrated, some fast."""
-    if isinstance(ready.diagram.mechanism, MechanismSystem):
-        return bool(config.integration_scheme == STIFF)
-    return "stiff" in ready.solver or bool(ready.code.fastest * config.max_step_size > FAST)
+def _advance(ready: Runnable, stepper: Stepper, watch: StepWatch, time: float) -> bool:
+    """Go on to a time, and tell whether it was reached.
+
+    Where explicit steps of a mechanism become too short, implicit ones go on. Where no steps are
+    short enough, as a signal jumps, the shortest one is taken.
+    """
+
+    def is_over() -> bool:
+        return bool(watch.stopped)
+
+    while True:
+        try:
+            is_there = stepper.advance(time, is_over)
+        except RuntimeError as error:
+            if not is_too_short(str(error)):
+                raise
+            if stepper.pass_over(time):
+                return True
+            watch.crawls |= ready.diagram.mechanism is not None
+            if stepper.is_stiff or not watch.crawls:
+                if not stepper.force():
+                    raise
+                continue
+        if stepper.is_stiff or not watch.crawls:
+            return is_there
+        stepper.change(STIFF)
+        _take_own_steps(ready, stepper)
 
 
 def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
@@ -365,7 +355,7 @@ def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
     diagram, code, duration = ready.diagram, ready.code, ready.solver["duration"]
     ends = {*corners(code, duration), duration}
     if code.has_major:
-        ends |= {time for time, _ in moments(code, duration, diagram.signals.base)}
+        ends |= {time for time, _ in _moments(ready, None)}
     stepper.take_own_steps(
         lambda: rates_of(diagram, stepper.context),
         sorted(ends),
@@ -374,13 +364,17 @@ def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
     )
 
 
-def moments(code: Code, duration: float, base: Rate | None) -> Iterator[tuple[float, bool]]:
+def moments(
+    code: Code, duration: float, base: Rate | None, step: float | None = None
+) -> Iterator[tuple[float, bool]]:
     """Yield the times at which rows are recorded, or signals have corners, and which it is.
 
-    A row at a sample time is at the very number that Drake makes of it.
+    A row at a sample time is at the very number that Drake makes of it. A row cuts no fixed step.
     """
     rows = np.linspace(0.0, duration, ROWS + 1) if duration else np.zeros(1)
-    if base is not None:
+    if step is not None:
+        rows = np.minimum(np.round(rows / step) * step, duration)
+    elif base is not None:
         hits = base[1] + np.round((rows - base[1]) / base[0]) * base[0]
         rows = np.where(np.abs(rows - hits) < SAME_TIME, hits, rows)
     kept = dict.fromkeys(corners(code, duration), False) | dict.fromkeys(rows.tolist(), True)
@@ -396,6 +390,15 @@ def corners(code: Code, duration: float) -> set[float]:
             first = first % period if code.begins < 0.0 else first
             times |= {float(at) for at in np.arange(first, duration, period) if at > 0.0}
     return times
+
+
+def _forced(stepper: Stepper, ready: Runnable) -> Iterator[str]:
+    """Tell where the error was not controlled."""
+    if stepper.forced:
+        times = dict.fromkeys(f"{time + ready.code.begins:.4g}" for time in stepper.forced)
+        listed = ", ".join([*times][:SHOWN_TIMES])
+        more = f" and {len(times) - SHOWN_TIMES} more times" if len(times) > SHOWN_TIMES else ""
+        yield f"no step is short enough for its accuracy at {listed}{more} s, where a signal jumps"
 
 
 def _recorded(
@@ -435,5 +438,5 @@ def _recorded(
         integrator=stepper.integrator,
         accuracy=stepper.accuracy,
         longest_step=stepper.config.max_step_size,
-        remarks=ready.remarks,
+        remarks=(*ready.remarks, *_forced(stepper, ready)),
     )

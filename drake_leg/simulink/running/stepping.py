@@ -53,6 +53,8 @@ class Events(Protocol):
 STIFF = "radau3"  # Drake's integrator for what is stiff
 EDGE, ROUNDING = 1e-12, 4e-16  # [s], and of the time: how exactly an edge is located
 CHATTER = 1e-5  # of the longest step: a step that is cut so soon lets the next one be whole
+PASSED_OVER = 100.0  # shortest steps
+IN_A_ROW = 3  # of the shortest steps whose error is not controlled
 FAST = 10.0  # least quotient of the longest step and the time constant of a filter
 
 
@@ -95,7 +97,10 @@ class Stepper:
         self._simulator.set_monitor(watch)
         self._configure()
         self._own: Solution | None = None
-        self._own_steps = 0
+        self.forced: list[float] = []  # [s], where the shortest steps were taken
+        self._in_a_row = 0
+        self._before = 0  # steps of what integrated before
+        self._idle = 0  # steps of Drake's simulator that took no time
         self._corners: Sequence[float] = ()
         self._edge = -math.inf  # [s], where a step was cut soon after it began
 
@@ -149,15 +154,17 @@ class Stepper:
         return bool(self.context.num_continuous_states())
 
     @property
-    def accuracy(self) -> float:
-        """Accuracy of the integration."""
-        return self.config.accuracy if self._own is None else self._own.accuracy
+    def accuracy(self) -> float | None:
+        """Accuracy of the integration, None of fixed steps."""
+        if self._own is not None:
+            return self._own.accuracy
+        return self.config.accuracy if self.config.use_error_control else None
 
     @property
     def steps(self) -> int:
         """How many steps were taken."""
         own = 0 if self._own is None else self._own.steps
-        return own + self._own_steps + int(self._simulator.get_num_steps_taken())
+        return own + self._before + int(self._simulator.get_num_steps_taken()) - self._idle
 
     def begin(self) -> None:
         """Let happen what happens at the start."""
@@ -172,15 +179,46 @@ class Stepper:
         if self._own is not None:
             if self._advance_own(self._own, time, is_over):
                 return self._own.t >= time
-            self._own_steps += self._own.steps
+            self._before += self._own.steps
             self._own = None
             self._restart()
+        self._idle += time == self.context.get_time()
         self._simulator.AdvanceTo(time)
         return not is_over()
+
+    def pass_over(self, time: float) -> bool:
+        """Go on to a time that is some of the shortest steps away; tell whether it is.
+
+        A jump of a signal at that time can leave no step short enough to end there.
+        """
+        if time - self.context.get_time() > PASSED_OVER * self._shortest:
+            return False
+        self.context.SetTime(time)
+        self._restart()
+        return True
+
+    def force(self) -> bool:
+        """Take the shortest step whatever its error; tell whether that were few in a row.
+
+        Simulink's solvers do so, too, and warn.
+        """
+        now = self.context.get_time()
+        is_next = self.forced and now - self.forced[-1] < PASSED_OVER * self._shortest
+        self._in_a_row = self._in_a_row + 1 if is_next else 1
+        if self._in_a_row > IN_A_ROW:
+            return False
+        self.forced.append(now)
+        self._restart()
+        integrator = self._simulator.get_mutable_integrator()
+        integrator.set_throw_on_minimum_step_size_violation(False)
+        self._simulator.AdvanceTo(now + self._shortest)
+        integrator.set_throw_on_minimum_step_size_violation(True)
+        return True
 
     def finish_events(self) -> None:
         """Let happen what happens at the time that is reached."""
         if self._own is None:
+            self._idle += 1
             self._simulator.AdvancePendingEvents()
         elif self._own.t == self.context.get_time():
             self._happen(self._own)
@@ -205,7 +243,9 @@ class Stepper:
         self._simulator.get_mutable_integrator().set_requested_minimum_step_size(self._shortest)
 
     def _restart(self) -> None:
+        self._before += int(self._simulator.get_num_steps_taken()) - self._idle
         self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
+        self._idle = int(self._simulator.get_num_steps_taken())
 
     def _advance_own(self, own: Solution, time: float, is_over: Callable[[], bool]) -> bool:
         """Go on by own steps; tell whether they went well, else the last good one is in place."""

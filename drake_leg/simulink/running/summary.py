@@ -157,10 +157,14 @@ def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
             f"filter of second order with {1e3 * FILTER:g} ms"
         )
     if "fixed step" in ready.solver:
+        step = f"{ready.solver['fixed step']:g} s"
         yield (
-            f"the file's solver takes fixed steps of {ready.solver['fixed step']:g} s; here the "
-            f"continuous states are integrated by {run.integrator} with steps of its own choice, "
-            "and delays of continuous signals take that step"
+            f"the continuous states are integrated by {run.integrator} with the fixed steps of "
+            f"the file's solver, {step}, on which some blocks' outputs depend"
+            if run.accuracy is None
+            else f"the file's solver takes fixed steps of {step}; here the continuous states are "
+            f"integrated by {run.integrator} with steps of its own choice, and delays of "
+            "continuous signals take that step"
         )
     loops = ready.code.loops
     if loops:

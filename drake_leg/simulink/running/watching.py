@@ -95,6 +95,11 @@ def reason_of(error: Exception, context: Context, signals: SignalSystem) -> str:
     lost = "" if isinstance(error, InvalidValueError) else signals.what_is_not_finite()
     if lost:
         return f"{lost}, {at}"
-    if "step smaller" in said or "step size" in said.lower() or "nan" in said.lower():
+    if is_too_short(said) or "nan" in said.lower():
         return f"the integrator cannot go on {at}, where its steps become too small"
     return f"{said}, {at}"
+
+
+def is_too_short(said: str) -> bool:
+    """Tell whether an integrator says that its steps become too short."""
+    return "step smaller" in said or "step size" in said.lower()

@@ -16,12 +16,13 @@ from drake_leg.simulink.running.code import NAMESPACE, Recorded, literal
 from drake_leg.simulink.running.columns import labels_of
 from drake_leg.simulink.running.compiling import Code
 from drake_leg.simulink.running.folding import WIDTH, folded
+from drake_leg.simulink.running.integrating import STEPS, automatic_step
 from drake_leg.simulink.running.porting.files import Script, data_name, json_lines
 from drake_leg.simulink.running.porting.mechanism import mechanism_data
 from drake_leg.simulink.running.porting.proof import prove
 from drake_leg.simulink.running.porting.text import called, imports, names_in, rows, written
 from drake_leg.simulink.running.replaying import position_labels
-from drake_leg.simulink.running.running import STEPS, Runnable
+from drake_leg.simulink.running.running import Runnable
 from drake_leg.simulink.running.settings import shape_of
 
 INLINE = 400  # numbers of an array that are written in the script; more are in the data beside it
@@ -291,7 +292,9 @@ class _Writing:
     def _solver(self) -> dict[str, str]:
         """Write the settings of the solver; an automatic step is a part of the duration."""
         found = {key: literal(value) for key, value in self._ready.solver.items()}
-        if "fixed step" in found and not vector(self._step):
+        if not vector(self._step) and self._ready.solver.get("fixed step") == automatic_step(
+            self._ready.solver["duration"], None
+        ):
             found["fixed step"] = f"duration / {STEPS}"
         return {**found, "duration": "duration"}
 

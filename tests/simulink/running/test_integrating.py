@@ -1,0 +1,101 @@
+"""How a model is integrated: fixed steps of its file, implicit steps where explicit ones fail."""
+
+import numpy as np
+import pytest
+from mechanism_models import pendulum
+from rigs import Rig, shown
+
+from drake_leg.simulink.reader import read_model
+from drake_leg.simulink.running.integrating import automatic_step
+from drake_leg.simulink.running.running import run_model, runnable
+
+FIXED = {"SolverType": "Fixed-step", "Solver": "ode3"}
+
+
+def twice_derived(folder, power, **solver):
+    """The second derivative of a power of the time, by differences, and its integral."""
+    rig = Rig()
+    rig.solver.update(solver)
+    source = rig.block("Fcn", "Power", rig.block("Clock", "Clock"), Expr=f"u^{power}")
+    second = rig.block("Derivative", "Rate 2", rig.block("Derivative", "Rate 1", source))
+    rig.show(second, "second")
+    rig.show(rig.block("Integrator", "Sum", second), "sum")
+    return runnable(read_model(rig.write(folder / "rig.slx")), duration=1.0)
+
+
+def test_blocks_that_depend_on_steps_take_those_of_the_file(tmp_path):
+    """The second difference of t² is 2, whatever the step."""
+    run = run_model(twice_derived(tmp_path, 2, **FIXED, FixedStep="0.01"))
+    assert not run.stopped
+    assert (run.steps, run.accuracy) == (100, None)
+    np.testing.assert_allclose(shown(run, "second")[run.time > 0.025], 2.0, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run.time, np.round(run.time / 0.01) * 0.01, rtol=0, atol=1e-12)
+
+
+def test_a_jump_that_no_step_is_short_enough_for_is_passed(tmp_path):
+    """A ramp's rate jumps at the start, and the rate of that is 1/h in the first step h."""
+    run = run_model(twice_derived(tmp_path, 1))
+    assert run.ended == 1.0
+    assert not run.stopped
+    assert any("no step is short enough for its accuracy at" in said for said in run.remarks)
+    np.testing.assert_allclose(shown(run, "second")[1:], 0.0, rtol=0, atol=1e-3)
+
+
+def test_an_accuracy_that_is_asked_for_chooses_the_steps(tmp_path):
+    rig = Rig()
+    rig.solver.update(**FIXED, FixedStep="0.1")
+    rate = rig.block("Derivative", "Rate", rig.block("Sin", "Sine"))
+    rig.show(rig.block("Integrator", "Sum", rate), "sum")
+    ready = runnable(read_model(rig.write(tmp_path / "rig.slx")), duration=1.0)
+    assert run_model(ready).steps == 10
+    finer = run_model(ready, accuracy=1e-6)
+    assert finer.accuracy == 1e-6
+    assert finer.steps > 10
+
+
+@pytest.mark.parametrize(
+    ("periods", "step"), [((), 0.02), ((0.05,), 0.05), ((0.006, 0.004), 0.002)]
+)
+def test_an_automatic_step_meets_all_sample_times(tmp_path, periods, step):
+    """It is a fiftieth of the duration where there are none."""
+    rig = Rig()
+    rig.solver.update(**FIXED, FixedStep="auto")
+    rate = rig.block("Derivative", "Rate", rig.block("Clock", "Clock"))
+    rig.show(rig.block("Integrator", "Sum", rate), "sum")
+    for period in periods:
+        delay = {"SampleTime": f"{period}", "InitialCondition": "0"}
+        rig.show(rig.block("UnitDelay", f"Delay {period}", rate, **delay), f"delayed {period}")
+    ready = runnable(read_model(rig.write(tmp_path / "rig.slx")), duration=1.0)
+    assert ready.solver["fixed step"] == pytest.approx(step, rel=1e-12)
+    assert run_model(ready).longest_step == pytest.approx(step, rel=1e-8)
+    assert automatic_step(1.0, None) == 0.02
+
+
+@pytest.mark.slow
+def test_where_explicit_steps_fail_implicit_ones_go_on(tmp_path):
+    """A controller whose gains no explicit step can follow turns a pendulum to its angle."""
+    built = pendulum(TorqueActuationMode="InputTorque", SensePosition="on", SenseVelocity="on")
+    inward = built.add_library("nesl_utility/Simulink-PS Converter", "In", {"Unit": "N*m"})
+    joint = built.sid("Pivot")
+    goal = built.add_block("Constant", "Goal", {"Value": "0.5"})
+    ports = {"in": 1, "out": 1}
+    gain = built.add_block("Gain", "Gain", {"Gain": "1e9"}, ports=ports)
+    rate = built.add_block("Gain", "Rate", {"Gain": "1e6"}, ports=ports)
+    force = built.add_block("Sum", "Force", {"Inputs": "+-"}, ports={"in": 2, "out": 1})
+    off = built.add_block("Sum", "Off", {"Inputs": "+-"}, ports={"in": 2, "out": 1})
+    angle = built.add_library("nesl_utility/PS-Simulink Converter", "Angle", {"Unit": "rad"})
+    speed = built.add_library("nesl_utility/PS-Simulink Converter", "Speed", {"Unit": "rad/s"})
+    for one, other in [(f"{joint}#rconn:2", f"{angle}#lconn:1"),
+                       (f"{joint}#rconn:3", f"{speed}#lconn:1"),
+                       (f"{inward}#rconn:1", f"{joint}#lconn:2")]:  # fmt: skip
+        built.physical(one, other)
+    for one, other in [(goal, f"{off}#in:1"), (f"{angle}#out:1", f"{off}#in:2"),
+                       (off, f"{gain}#in:1"), (gain, f"{force}#in:1"),
+                       (f"{speed}#out:1", f"{rate}#in:1"), (rate, f"{force}#in:2"),
+                       (force, f"{inward}#in:1")]:  # fmt: skip
+        built.connect(one, other)
+    run = run_model(runnable(built.model(tmp_path), duration=0.5))
+    assert not run.stopped
+    assert "rodas5p" in run.integrator
+    assert run.states[-1, 0] == pytest.approx(0.5, abs=1e-6)
+    assert 0 < run.steps < 2000
