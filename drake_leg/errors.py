@@ -80,6 +80,7 @@ class MissingNumbersError(InvalidValueError):
 
 
 GIVE_A_VALUE = "give a value of "
+GIVE_A_PLACE, GIVE_A_DIRECTION = "give a place to ", "give a place and a direction to "
 
 
 class UnknownValueError(InvalidValueError):
@@ -98,6 +99,26 @@ class UnknownValueError(InvalidValueError):
     ) -> None:
         self.names, self.text = tuple(names), text
         super().__init__(problem, advice=advice)
+
+
+class UnplacedFeatureError(InvalidValueError):
+    """A frame on a feature of a CAD program's file, which nobody has placed.
+
+    Attributes
+    ----------
+    file, feature : str
+        The file's name without its folder, and Simscape's name of the feature in it.
+    directed : bool
+        Whether the frame is along it, so that it takes a direction, too.
+    """
+
+    def __init__(self, *, file: str, feature: str, directed: bool = False) -> None:
+        self.file, self.feature, self.directed = file, feature, directed
+        give = GIVE_A_DIRECTION if directed else GIVE_A_PLACE
+        super().__init__(
+            f"it has a frame on {feature!r} of {file!r}, which takes a CAD program to find",
+            advice=f"{give}'{file}:{feature}' in the solid's reference frame",
+        )
 
 
 class MissingThingsError(InvalidValueError):

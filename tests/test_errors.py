@@ -33,6 +33,7 @@ from drake_leg.errors import (
     StepBudgetError,
     TimeBudgetError,
     UnknownValueError,
+    UnplacedFeatureError,
     UnreadableFileError,
     UnstableRunError,
 )
@@ -85,6 +86,7 @@ PROVOKED_ELSEWHERE = {
     MissingNumbersError: "tests/robot/symoro/test_as_robot.py",
     UnknownValueError: "tests/simulink/test_parameters.py",
     MissingThingsError: "tests/simulink/running/test_running.py",
+    UnplacedFeatureError: "tests/simulink/multibody/test_placed_features.py",
 }
 
 

@@ -21,7 +21,12 @@ from drake_leg.cli.inputs import (
     walks,
 )
 from drake_leg.cli.mechanisms import about, read_mechanism
-from drake_leg.cli.model_files import add_model_options, is_model, refuse_model_options
+from drake_leg.cli.model_files import (
+    add_feature_option,
+    add_model_options,
+    is_model,
+    refuse_model_options,
+)
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -84,6 +89,7 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
     )
     add_walk(parser)
     add_model_options(parser)
+    add_feature_option(parser)
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument(
         "--out",

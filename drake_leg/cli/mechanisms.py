@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from shutil import copy
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pydrake.systems.framework import Diagram
 
     from drake_leg.simulink.multibody.bodies import Mechanism
+    from drake_leg.simulink.multibody.mass import Array
     from drake_leg.simulink.multibody.meshes import Meshes
     from drake_leg.simulink.suggestions import Suggestion
 
@@ -145,8 +146,22 @@ def taken_from(used: Sequence[Suggestion]) -> list[str]:
     ]
 
 
+def found_alone(only: Mapping[str, Array]) -> Iterator[str]:
+    """Say where features of files were found without their numbers."""
+    if only:
+        places = (
+            f"{name!r} at {','.join(f'{value:.6g}' for value in point)} m"
+            for name, point in only.items()
+        )
+        yield (
+            "found as the only ones of their kinds, though another point may be meant: "
+            f"{_some(list(places))}; --feature places them"
+        )
+
+
 def remarks(mechanism: Mechanism) -> Iterator[str]:
     """Say what of a mechanism is not in its SDF, or is there in another form."""
+    yield from found_alone(mechanism.connections.only)
     left_out = mechanism.connections.left_out
     if left_out:
         counted = ", ".join(f"{kind} ({len(names)})" for kind, names in left_out.items())

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_leg.cli.terminal import refuse_ignored
+from drake_leg.cli.terminal import numbers, refuse_ignored
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink import ENDINGS
 
@@ -56,6 +56,34 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         metavar="BLOCK=CHOICE",
         help="choice of a variant subsystem, by its name or path; repeatable",
     )
+
+
+def add_feature_option(parser: argparse.ArgumentParser) -> None:
+    """Add the option that places features of files of CAD programs."""
+    parser.add_argument(
+        "--feature",
+        action="append",
+        default=[],
+        metavar="FILE:FEATURE=X,Y,Z",
+        help="where a feature of a CAD program's file lies on which frames of a Simulink model "
+        "are, in the solid's reference frame [m]: 'leg.step:planar surface 2=0.1,0,0.02'; where a "
+        "frame is along it, its direction follows, as in X,Y,Z,0,0,1; repeatable",
+    )
+
+
+def _features_in(given: Sequence[str]) -> dict[str, list[float]]:
+    found: dict[str, list[float]] = {}
+    for text in given:
+        name, equals, place = text.rpartition("=")
+        if not (equals and name.partition(":")[2].strip() and place.strip()):
+            raise InvalidValueError(
+                f"--feature {text} names no feature, or no place for it: write "
+                "'FILE:FEATURE=X,Y,Z', as in 'leg.step:planar surface 2=0.1,0,0.02'"
+            )
+        if name in found:
+            raise InvalidValueError(f"--feature places {name!r} twice: keep one")
+        found[name] = numbers("--feature", place)
+    return found
 
 
 def add_model_run_options(parser: argparse.ArgumentParser) -> None:
@@ -132,6 +160,7 @@ def opened(path: Path, chosen: argparse.Namespace, init: Sequence[Path] = ()) ->
         variants=variants,
         init=[*chosen.init, *init],
         values=variables_in(getattr(chosen, "numbers", None) or ()),
+        features=_features_in(getattr(chosen, "feature", ())),
     )
 
 
@@ -191,6 +220,7 @@ def refuse_model_options(chosen: argparse.Namespace) -> None:
             "--path": bool(chosen.path),
             "--init": bool(chosen.init),
             "--variant": bool(chosen.variant),
+            "--feature": bool(getattr(chosen, "feature", ())),
         },
         "is for Simulink models and means nothing here",
     )

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.mechanisms import about, mechanism_in_3d, places_of, taken_from
+from drake_leg.cli.mechanisms import about, found_alone, mechanism_in_3d, places_of, taken_from
 from drake_leg.cli.model_files import opened, replacements_in
 from drake_leg.cli.model_page import check_page, write_page, write_page_of_lacks
 from drake_leg.cli.run import check_shows, fields_by_name, shows_of
@@ -152,13 +152,16 @@ def runnable_file(
 
     with about(path), at_work(chosen.name, "the model is read"):
         model = read()
+        said: list[str] = []
         try:
-            return model, ready_to_run(model), []
+            ready = ready_to_run(model)
         except InvalidValueError:
             if chosen.init:
                 raise
-        model, used = with_scripts(model, read, _lacks)
-        return model, ready_to_run(model), taken_from(used)
+            model, used = with_scripts(model, read, _lacks)
+            ready, said = ready_to_run(model), taken_from(used)
+    mechanism = ready.diagram.mechanism
+    return model, ready, [*said, *(found_alone(mechanism.only) if mechanism else ())]
 
 
 def _lacks(model: Model) -> list[Lack]:

@@ -7,7 +7,12 @@ from pathlib import Path
 
 from drake_leg.cli.inputs import add_numbers
 from drake_leg.cli.mechanisms import about
-from drake_leg.cli.model_files import add_model_options, add_model_run_options, is_model
+from drake_leg.cli.model_files import (
+    add_feature_option,
+    add_model_options,
+    add_model_run_options,
+    is_model,
+)
 from drake_leg.cli.terminal import remark
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import check_file, write_text
@@ -32,6 +37,7 @@ def configure_port(parser: argparse.ArgumentParser) -> None:
         "--accuracy", metavar="X", help="relative accuracy of the integration (default 1e-6)"
     )
     add_model_options(parser)
+    add_feature_option(parser)
     add_model_run_options(parser)
     add_numbers(parser)
     parser.set_defaults(command=_port)

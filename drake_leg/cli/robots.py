@@ -11,7 +11,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_leg.cli.inputs import ParSource, RobotSource, add_robot_source, robot_source
-from drake_leg.cli.model_files import add_model_options, is_model, refuse_model_options
+from drake_leg.cli.model_files import (
+    add_feature_option,
+    add_model_options,
+    is_model,
+    refuse_model_options,
+)
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -47,6 +52,7 @@ def configure_sdf(parser: argparse.ArgumentParser) -> None:
     )
     add_robot_source(parser)
     add_model_options(parser)
+    add_feature_option(parser)
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument("--toml", action="store_true", help="write TOML instead of SDF")
     instead.add_argument(

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_numbers, ground_of, named_or_robot
 from drake_leg.cli.model_files import (
+    add_feature_option,
     add_model_options,
     add_model_run_options,
     is_model,
@@ -80,6 +81,7 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
     add_shows(parser)
     add_page_option(parser)
     add_model_options(parser)
+    add_feature_option(parser)
     add_model_run_options(parser)
     explain = partial(_explained, options=add_run_options(parser))
     parser.set_defaults(command=_run, explain=explain)

@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.mechanisms import taken_from
-from drake_leg.cli.model_files import add_model_options, asked_for, is_model, opened
+from drake_leg.cli.model_files import (
+    add_feature_option,
+    add_model_options,
+    asked_for,
+    is_model,
+    opened,
+)
 from drake_leg.cli.run import add_run_options, fields_by_name, options_of
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
@@ -90,6 +96,7 @@ def configure_compare(parser: argparse.ArgumentParser) -> None:
         "settings that are in no table of this program",
     )
     add_model_options(parser)
+    add_feature_option(parser)
     add_run_options(parser)
     parser.set_defaults(command=_compare)
 

@@ -22,6 +22,8 @@ TRACEBACK = "DRAKE_LEG_TRACEBACK"  # environment variable: print tracebacks of u
 
 _SETTING = re.compile(r"`(?:(?P<name>[a-z][a-z0-9_]*)(?:=(?P<value>[^`]+))?|(?P<other>'[^`]+'))`")
 
+_PLACE = re.compile(r"give a place (?P<too>and a direction )?to '(?P<name>[^']*)'")
+
 
 def as_options(text: object) -> str:
     """Rewrite the settings in a sentence of the library as options."""
@@ -33,7 +35,11 @@ def as_options(text: object) -> str:
         option = option_of(name)
         return option if value in (None, "True") else f"{option} {_plain(value)}"
 
-    return _SETTING.sub(written, str(text))
+    def place(feature: re.Match[str]) -> str:
+        numbers = "X,Y,Z,DX,DY,DZ" if feature["too"] else "X,Y,Z"
+        return f"give --feature '{feature['name']}={numbers}' [m],"
+
+    return _SETTING.sub(written, _PLACE.sub(place, str(text)))
 
 
 def option_of(name: str) -> str:

@@ -18,7 +18,12 @@ from drake_leg.cli.inputs import (
     robot_source,
     walks,
 )
-from drake_leg.cli.model_files import add_model_options, is_model, refuse_model_options
+from drake_leg.cli.model_files import (
+    add_feature_option,
+    add_model_options,
+    is_model,
+    refuse_model_options,
+)
 from drake_leg.cli.terminal import (
     add_view,
     numbers,
@@ -70,6 +75,7 @@ def configure_view(parser: argparse.ArgumentParser) -> None:
     add_robot_source(parser)
     add_posture(parser)
     add_model_options(parser)
+    add_feature_option(parser)
     _add_server(parser)
     parser.add_argument(
         "--still", type=Path, metavar="FILE.png", help="write one picture instead, and end"

@@ -124,6 +124,7 @@ class Model:
     functions: tuple[Function, ...]
     solver: Mapping[str, Value]  # StopTime [s], Solver, RelTol, MaxStep, ...
     variables: Variables | None = field(default=None, compare=False, repr=False)
+    features: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # that were placed
 
 
 @lru_cache(maxsize=MOST_PORTS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from drake_leg.simulink.parameters import (
     values_of,
     why_unknown,
 )
+from drake_leg.simulink.placed_features import placed_features
 from drake_leg.simulink.scopes import Scope, settled
 from drake_leg.simulink.sources import Given, Variables, variables_of
 from drake_leg.simulink.variants import choose_variants
@@ -51,6 +53,7 @@ def read_model(
     variants: Mapping[str, str] | None = None,
     init: Sequence[Path] = (),
     values: Mapping[str, Any] | None = None,
+    features: Mapping[str, Sequence[float]] | None = None,
 ) -> Model:
     """Read a Simulink file; nothing in it is executed or unpacked to the disk.
 
@@ -72,6 +75,10 @@ def read_model(
         model.
     values : mapping, optional
         Values of variables, before all others: numbers, arrays, or MATLAB text.
+    features : mapping, optional
+        Where features of files of CAD programs lie on which frames are, ``leg.step:planar surface
+        2``: a point in the solid's reference frame [m], and after it the direction of its axis or
+        normal, where a frame is along it.
 
     Returns
     -------
@@ -94,7 +101,8 @@ def read_model(
         _require_used(given, file, drawn)
         drawn, scopes = settled(drawn, variables, mask_of_file(file))
         diagram = choose_variants(drawn, partial(_holds, scopes), variants)
-        return _model(file, diagram, scopes, variables)
+        model = _model(file, diagram, scopes, variables)
+        return replace(model, features=placed_features(features or {}, model.blocks))
     except InvalidValueError as error:
         raise InvalidValueError(f"{path}: {error}") from None
 

@@ -98,3 +98,29 @@ def test_options_of_the_other_kind_are_refused(here, capsys, words):
     status, out, err = run(capsys, *words)
     assert (status, out) == (2, "")
     assert err.startswith(f"drake-leg: {words[2]} ")
+
+
+def test_a_feature_of_a_cad_program_is_placed_by_an_option(here, capsys):
+    built = pendulum()
+    on = "<Source>GeometricFeature</Source><FeatureName>segment 3</FeatureName>"
+    frame = (
+        f"<Frames><Frame><Name>F1</Name><Origin>{on}</Origin><PrimaryAxis>{on}"
+        "<DefinedDirection>+Z</DefinedDirection></PrimaryAxis><SecondaryAxis>"
+        "<Source>ReferenceFrame</Source><SourceDirection>+X</SourceDirection>"
+        "<DefinedDirection>+X</DefinedDirection></SecondaryAxis></Frame></Frames>"
+    )
+    given = {"ExtGeomFileName": "leg.step", "InertiaType": "PointMass", "Mass": "1"}
+    built.body("File Solid", "Leg", SerializedFrames=frame, DoExposeReferenceFrame="off", **given)
+    built.meet("Down", "Leg lconn:1")
+    built.write(here / "m.slx")
+    status, _, err = run(capsys, "sdf", "m.slx")
+    assert (status, err.partition(": give ")[2]) == (
+        2, "--feature 'leg.step:segment 3=X,Y,Z,DX,DY,DZ' [m], in the solid's reference frame\n"
+    )  # fmt: skip
+    for words in (("sdf",), ("port", "--out", "p.py"), ("run", "--out", "r", "--duration", "0.01")):
+        command, *more = words
+        place = ("--feature", "leg.step:segment 3=0,0,0.1,0,0,1")
+        assert run(capsys, command, "m.slx", *place, *more)[0] == 0
+    for wrong, said in (("leg.step=0,0,0", "names no feature"), ("leg.step:segment 3=a", "number")):
+        status, _, err = run(capsys, "sdf", "m.slx", "--feature", wrong)
+        assert (status, said in err) == (2, True)

@@ -48,11 +48,11 @@ ALWAYS = {
     "inverse": {"--foot", "--json", "--pose", "--q", "--tip"},
     "sdf": {"--toml", "--par", "--out"},
     "check": {"--printed", "--json"},
-    "port": {"--path", "--init", "--variant", "--set", "--replace", "--duration", "--accuracy",
-             "--out", "--overwrite", "--contact", "--solve-loops"},
+    "port": {"--path", "--init", "--variant", "--feature", "--set", "--replace", "--duration",
+             "--accuracy", "--out", "--overwrite", "--contact", "--solve-loops"},
     "inspect": {"--blocks", "--json", "--path", "--init", "--variant"},
-    "compare": OF_RUNS | {"--path", "--init", "--variant", "--json", "--strict", "--frequency",
-                          "--direction", "--gain"},
+    "compare": OF_RUNS | {"--path", "--init", "--variant", "--feature", "--json", "--strict",
+                          "--frequency", "--direction", "--gain"},
     "diagram": {"--path", "--init", "--variant", "--part", "--system", "--background", "--out",
                 "--overwrite"},
 }  # fmt: skip
@@ -100,7 +100,7 @@ MEANINGLESS = [
     *(
         (command, f"leg-b {option}", "is for Simulink models and means nothing here")
         for command in ("sdf", "view", "doctor")
-        for option in ("--path .", "--init a.m", "--variant A=B")
+        for option in ("--path .", "--init a.m", "--variant A=B", "--feature a.step:f=1,2,3")
     ),
     ("replay", "somewhere --set D3=1 --out a.html", "means nothing without --robot"),
     ("compare", "leg-b --set D3=1", "the model uses no variable 'D3'"),
@@ -111,7 +111,8 @@ MEANINGLESS = [
     ("diagram", "leg-b --init a.m --out a.svg", "is for Simulink models and means nothing"),
     *(
         ("run", f"leg-b {option}", "is for Simulink models and means nothing here")
-        for option in ("--path .", "--init a.m", "--variant A=B", "--contact smooth",
+        for option in ("--path .", "--init a.m", "--variant A=B", "--feature a.step:f=1,2,3",
+                       "--contact smooth",
                        "--solve-loops", "--replace A=b.csv", "--page a.html")
     ),
     ("run", f"{MODEL} --config a.yaml", "means nothing to a Simulink model"),
@@ -195,7 +196,16 @@ def named_options(command):
 
 
 # A run that is refused is a row of its sweep.
-OF_MODELS = {"--path", "--init", "--variant", "--contact", "--solve-loops", "--replace", "--page"}
+OF_MODELS = {
+    "--path",
+    "--init",
+    "--variant",
+    "--feature",
+    "--contact",
+    "--solve-loops",
+    "--replace",
+    "--page",
+}
 ALWAYS["sweep"] = named_options("run") - OF_MODELS | ALWAYS["run"] - {
     "--figures", "--replay", "--stills", "--video",
 } | {

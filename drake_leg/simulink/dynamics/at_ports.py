@@ -8,6 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.simulink.dynamics.acting import Acting
 from drake_leg.simulink.dynamics.ports import Bus
+from drake_leg.simulink.multibody.mass import Array
 
 
 class AtPorts:
@@ -50,6 +51,11 @@ class AtPorts:
     def buses(self) -> Mapping[str, Bus]:
         """What the entries of ports mean that put out a bus."""
         return self._acting.sensed.buses
+
+    @property
+    def only(self) -> Mapping[str, Array]:
+        """Features of files that were found as the only ones of their kinds [m]."""
+        return self._acting.mechanism.connections.only
 
     @property
     def left_out(self) -> Mapping[str, tuple[str, ...]]:

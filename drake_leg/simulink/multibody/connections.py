@@ -6,13 +6,13 @@ All that is missing for a mechanism is collected, and raised at once.
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
 from scipy.cluster.hierarchy import DisjointSet
 
-from drake_leg.errors import InvalidValueError, MissingThingsError
+from drake_leg.errors import InvalidValueError, MissingThingsError, UnplacedFeatureError
 from drake_leg.simulink.catalogue import JOINTS
 from drake_leg.simulink.mechanism import SOLIDS as OF_MASS
 from drake_leg.simulink.mechanism import Frame, PhysicalNetwork, network_of, rigid_transform
@@ -25,6 +25,7 @@ from drake_leg.simulink.wiring import physical_part
 T = TypeVar("T")
 
 WORLD = "world"
+SHOWN = 5  # blocks in a sentence
 SOLIDS = (*OF_MASS, "Graphic")
 PLACES = (
     "Reference Frame", "World Frame", "Mechanism Configuration", "Transform Sensor",
@@ -77,6 +78,7 @@ class Connections:
     solids: tuple[tuple[Frame, Solid], ...]  # with their reference frames
     gravity: tuple[float, ...]  # [m/s^2]
     left_out: Mapping[str, tuple[str, ...]]  # forces and constraints: kind of block -> names
+    only: Mapping[str, Array] = field(default_factory=dict)  # features found as the only ones
 
 
 def connections_of(model: Model, *, apart: bool = True) -> Connections:
@@ -143,7 +145,10 @@ class _Reading:
         self._blocks = flat.blocks
         self._find = model.variables.workspace.folders.geometry if model.variables else None
         self._network: PhysicalNetwork = network_of(flat)
+        self._placed = model.features
         self._problems: dict[str, None] = {}
+        self._only: dict[str, Array] = {}
+        self._unplaced: dict[str, dict[str, UnplacedFeatureError]] = {}  # by feature, then block
         self._mechanical = self._at_frames()
 
     @property
@@ -154,7 +159,7 @@ class _Reading:
     @property
     def problems(self) -> tuple[str, ...]:
         """What is wrong, each once."""
-        return tuple(self._problems)
+        return (*self._problems, *map(_unplaced, self._unplaced.values()))
 
     def connections(self) -> Connections:
         """Read all blocks; what is wrong is collected."""
@@ -170,7 +175,7 @@ class _Reading:
             elif block.kind in JOINTS:
                 joints.append(self._joint(block))
             elif block.kind in SOLIDS:
-                solid = Solid(block=block, find=self._find)
+                solid = Solid(block=block, find=self._find, placed=self._placed)
                 self._attempt(NO_MASS, _properties, solid)
                 solids.append((_own(block), solid))
                 rigid += self._at_solid(solid)
@@ -180,6 +185,7 @@ class _Reading:
             solids=tuple(solids),
             gravity=self._gravity(),
             left_out=self._left_out(),
+            only=self._only,
         )
 
     def _at_frames(self) -> list[Block]:
@@ -248,15 +254,30 @@ class _Reading:
                     "where it has no frame: save the model again in Simulink"
                 ] = None
             elif name not in GEOMETRIES:
+                X_RF = np.eye(4)
+                if not self._note_unplaced(solid, name):
+                    X_RF = self._attempt(X_RF, solid.frame, name)
                 found.append(
                     Rigid(
                         base=_own(block),
                         follower=self._network.frame(port),
-                        X_BF=self._attempt(np.eye(4), solid.frame, name),
+                        X_BF=X_RF,
                         block=None if name == REFERENCE else block,
                     )
                 )
         return found
+
+    def _note_unplaced(self, solid: Solid, frame: str) -> bool:
+        """Note the features under a frame that nobody has placed; tell whether there are any."""
+        none: tuple[UnplacedFeatureError, ...] = ()
+        errors = self._attempt(none, solid.unplaced, frame)
+        for error in errors:
+            blocks = self._unplaced.setdefault(f"{error.file}:{error.feature}", {})
+            known = blocks.get(solid.block.name)
+            blocks[solid.block.name] = known if known and known.directed else error
+        if not errors:
+            self._only |= solid.only_ones(frame)
+        return bool(errors)
 
     def _gravity(self) -> tuple[float, ...]:
         """Return the gravity of the first configuration that is connected; none without one."""
@@ -279,6 +300,15 @@ class _Reading:
 def is_multibody(block: Block) -> bool:
     """Tell whether a block is of Simscape Multibody, or of a library that stands on it."""
     return block.source.startswith(("sm_lib/", "Contact_Forces_Lib/"))
+
+
+def _unplaced(blocks: Mapping[str, UnplacedFeatureError]) -> str:
+    """Say in one sentence which solids have frames on a feature that nobody has placed."""
+    error = max(blocks.values(), key=lambda each: each.directed)
+    named = ", ".join(map(repr, list(blocks)[:SHOWN]))
+    more = f" and {len(blocks) - SHOWN} more" if len(blocks) > SHOWN else ""
+    on = error.problem.partition(" frame on ")[2]
+    return f"{named}{more} {'has' if len(blocks) == 1 else 'have'} a frame on {on}: {error.advice}"
 
 
 def _own(block: Block) -> Frame:

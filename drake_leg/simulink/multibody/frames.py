@@ -53,6 +53,15 @@ class OwnFrame:
         here = np.column_stack([*own, np.cross(*own)])
         return pose(there @ here.T, self._origin(center_of_mass, feature))
 
+    def features(self) -> list[tuple[str, bool]]:
+        """List the features that it is on, and those that it is along, which have a direction."""
+        parts = ((self.origin, False), *((axis, True) for axis in self.axes))
+        return [
+            (part.get("FeatureName", ""), directed)
+            for part, directed in parts
+            if part.get("Source") == "GeometricFeature"
+        ]
+
     def _origin(self, center_of_mass: Callable[[], Array], feature: Find) -> Array:
         source = self.origin.get("Source")
         if source == "ReferenceFrame":

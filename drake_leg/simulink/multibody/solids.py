@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from pathlib import Path, PureWindowsPath
 
 import numpy as np
 
-from drake_leg.errors import InvalidValueError, UnknownValueError
+from drake_leg.errors import InvalidValueError, UnknownValueError, UnplacedFeatureError
 from drake_leg.simulink.model import Block, invalid_parameter, is_on, vector
 from drake_leg.simulink.multibody import mass
 from drake_leg.simulink.multibody.features import (
@@ -24,8 +24,9 @@ from drake_leg.simulink.multibody.features import (
 from drake_leg.simulink.multibody.frames import read_frames
 from drake_leg.simulink.multibody.mass import Array, MassProperties
 from drake_leg.simulink.multibody.step import ENDINGS as STEP_ENDINGS
-from drake_leg.simulink.multibody.step import properties_of_step, unit_of_step
+from drake_leg.simulink.multibody.step import only_place, properties_of_step, unit_of_step
 from drake_leg.simulink.multibody.stl import is_closed, of_mesh, read_stl
+from drake_leg.simulink.placed_features import feature_key
 from drake_leg.units import parse_unit
 
 Find = Callable[[str], Path | None]
@@ -126,6 +127,7 @@ class FileShape:
     unit: float  # of its numbers [m]
     own_unit: bool = False  # whether the unit is the one that the file states, where it does
     place: Path | None = None  # where it lies
+    placed: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # features, by a person
 
     def properties(self, density: float) -> MassProperties:
         """Return the mass properties in R, of a density [kg/m^3], exact for what the file holds."""
@@ -167,12 +169,36 @@ class FileShape:
             f"it has its mass from the geometry of {self.file!r}, {why}", advice=advice or custom
         )
 
+    @property
+    def name(self) -> str:
+        """Return the file's name without its folder."""
+        return PureWindowsPath(self.file).name
+
+    def is_placed(self, name: str, *, directed: bool) -> bool:
+        """Tell whether the place of a feature is known, and its direction where it is wanted."""
+        try:
+            found = self.feature(name)
+        except UnplacedFeatureError:
+            return False
+        return not directed or found.normal is not None
+
     def feature(self, name: str) -> Feature:
-        """Find a face, an edge or a corner by its name."""
-        raise InvalidValueError(
-            f"it has a frame on {name!r} of {self.file!r}, which takes a CAD program to find: "
-            "place the frame by R"
-        )
+        """Find a face, an edge or a corner by its name.
+
+        Raises
+        ------
+        UnplacedFeatureError
+            If nobody has placed it, and it is not the only one of its kind.
+        """
+        numbers = self.placed.get(feature_key(self.file, name))
+        if numbers is not None:
+            direction = np.array(numbers[3:])
+            normal = direction / np.linalg.norm(direction) if len(direction) else None
+            return Feature(center=np.array(numbers[:3]), normal=normal)
+        only = only_place(self.place, name) if self.place else None
+        if self.place is None or only is None:
+            raise UnplacedFeatureError(file=self.name, feature=name)
+        return Feature(center=self.scale(self.place) * only)
 
 
 Shape = Brick | Cylinder | Ellipsoid | Extrusion | Revolution | FileShape
@@ -186,6 +212,7 @@ class Solid:
 
     block: Block
     find: Find | None = None  # where a file lies, by its name
+    placed: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # features of files
 
     @cached_property
     def shape(self) -> Shape | None:
@@ -196,7 +223,7 @@ class Solid:
         InvalidValueError
             If a dimension is missing or not positive.
         """
-        return _shape(self.block, self.find)
+        return _shape(self.block, self.find, self.placed)
 
     @cached_property
     def properties(self) -> MassProperties:
@@ -288,6 +315,32 @@ class Solid:
         except InvalidValueError as error:
             raise _of(self.block, error) from None
 
+    def unplaced(self, name: str) -> tuple[UnplacedFeatureError, ...]:
+        """List the features of a file that a frame needs, and that nobody has placed."""
+        shape = self.shape
+        if not isinstance(shape, FileShape):
+            return ()
+        return tuple(
+            UnplacedFeatureError(file=shape.name, feature=feature, directed=directed)
+            for feature, directed in self._features_of(name)
+            if not shape.is_placed(feature, directed=directed)
+        )
+
+    def only_ones(self, name: str) -> dict[str, Array]:
+        """Return the features under a frame that are the only ones of their kinds, in R [m]."""
+        shape = self.shape
+        if not isinstance(shape, FileShape):
+            return {}
+        return {
+            f"{shape.name}:{feature}": shape.feature(feature).center
+            for feature, _ in self._features_of(name)
+            if feature_key(shape.file, feature) not in shape.placed
+        }
+
+    def _features_of(self, name: str) -> list[tuple[str, bool]]:
+        frames = (frame for frame in read_frames(self.block) if frame.name == name)
+        return [each for frame in frames for each in frame.features()]
+
     def _feature(self, name: str) -> Feature:
         if self.shape is None:
             raise InvalidValueError(f"it has no {name!r}: place the frame by R")
@@ -337,7 +390,9 @@ _KINDS = {
 _REGULAR = ("Regular", "RegularExtrusion")
 
 
-def _shape(block: Block, find: Find | None) -> Shape | None:
+def _shape(
+    block: Block, find: Find | None, placed: Mapping[str, tuple[float, ...]]
+) -> Shape | None:
     kind = _KINDS.get(block.kind) or str(block.parameters.get("GeometryShape", ""))
     if block.kind in ("Inertia", "Graphic"):
         return None
@@ -365,7 +420,9 @@ def _shape(block: Block, find: Find | None) -> Shape | None:
         file = str(block.parameters.get("ExtGeomFileName", ""))
         place = find(PureWindowsPath(file).name) if find else None
         own_unit = block.parameters.get("UnitType") != "Custom"
-        return FileShape(file=file, unit=float(unit.factor), own_unit=own_unit, place=place)
+        return FileShape(
+            file=file, unit=float(unit.factor), own_unit=own_unit, place=place, placed=placed
+        )
     raise InvalidValueError(
         f"the block {block.name!r} (SID {block.sid}) is a {block.kind} {kind}, which is not built: "
         "replace it by a solid of another shape"

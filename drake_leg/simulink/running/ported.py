@@ -82,6 +82,7 @@ def mechanism_from(data: Mapping[str, Any]) -> MechanismSystem:
         nodes=tuple(tuple(node) for node in data["connections"]),
         functions=(),
         solver={},
+        features={name: tuple(each) for name, each in data.get("features", {}).items()},
     )
     reflected = [Reflected(**each) for each in data.get("reflected", ())]
     return mechanism_dynamics(model, contact=data["contact"], reflected=reflected)

@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from cad_files import open_cascade, write
 from mechanism_models import pendulum
 
 from drake_leg.errors import InvalidValueError
@@ -15,24 +16,7 @@ EXACT = 1e-9  # of the largest value, as the documentation states
 STEEL = 7800.0
 
 
-@pytest.fixture
-def cad():
-    return pytest.importorskip("OCP", reason="2026-11-30: the extra cad, 380 MB, is not installed")
-
-
-def write(path, shape, unit="MM"):
-    """Write a shape whose numbers are of a unit."""
-    from OCP.Interface import Interface_Static
-    from OCP.Message import Message
-    from OCP.STEPControl import STEPControl_StepModelType, STEPControl_Writer
-
-    Message.DefaultMessenger_s().ChangePrinters().Clear()
-    writer = STEPControl_Writer()
-    Interface_Static.SetCVal_s("xstep.cascade.unit", unit)
-    Interface_Static.SetCVal_s("write.step.unit", unit)
-    writer.Transfer(shape, STEPControl_StepModelType.STEPControl_AsIs)
-    writer.Write(str(path))
-    return path
+cad = pytest.fixture(open_cascade)
 
 
 def shapes():

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-from drake_leg.simulink.dynamics.system import Contact, mechanism_dynamics
+from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
 from drake_leg.simulink.model import Model, Value
 from drake_leg.simulink.networks.reflection import reflected_of
+from drake_leg.simulink.placed_features import feature_key
 from drake_leg.simulink.wiring import physical_part
 
 
@@ -57,7 +58,8 @@ def mechanism_data(model: Model, contact: Contact) -> dict[str, Any]:
         if block.sid in ends
     ]
     reflected = reflected_of(model)
-    mechanism_dynamics(replace(flat, blocks=tuple(blocks)), contact=contact, reflected=reflected)
+    whole = replace(flat, blocks=tuple(blocks))
+    system = mechanism_dynamics(whole, contact=contact, reflected=reflected)
     listed = []
     for block in blocks:
         assert isinstance(block.parameters, _Read)
@@ -72,5 +74,13 @@ def mechanism_data(model: Model, contact: Contact) -> dict[str, Any]:
         "contact": contact,
         "blocks": listed,
         "connections": [list(node) for node in flat.nodes],
+        **_features(model, system),
         **inertias,
     }
+
+
+def _features(model: Model, system: MechanismSystem) -> dict[str, Any]:
+    """Return where features of files lie, as a person says or as they were found."""
+    found = {feature_key(*name.split(":", 1)): each.tolist() for name, each in system.only.items()}
+    placed = found | {name: list(each) for name, each in model.features.items()}
+    return {"features": placed} if placed else {}
