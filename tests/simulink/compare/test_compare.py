@@ -913,7 +913,10 @@ def test_derivatives_of_a_leg_drawn_in_degrees(compared):
 
 UNREADABLE = [
     (JACOB_INV.replace("J =", "persistent k\nJ =", 1), "'persistent' is not supported"),
-    (JACOB_INV.replace("inv(J)", "schur(J)"), "'schur' is not a known function or constant"),
+    (
+        JACOB_INV.replace("inv(J)", "reciprocal(J)"),
+        "'reciprocal' is not a known function or constant",
+    ),
     (JACOB_INV.replace("u(6)", "u(9)"), "'u' is 6×1 and has no element 9"),
     ("", "it has no code in the file; save the model again in Simulink"),
 ]
@@ -934,7 +937,7 @@ def test_unreadable_function_is_one_finding_and_the_rest_is_compared(compared, s
 
 def test_unreadable_function_beside_a_run_without_one(compared):
     model = published_pendulum()
-    function = model.add_function("Odd", "function y = f(u)\ny = schur(u);\n")
+    function = model.add_function("Odd", "function y = f(u)\ny = reciprocal(u);\n")
     model.connect(model.sid("PS-Simulink q"), function)
     found = compared(model, "pendulum")
     assert [item["why"].partition(":")[0] for item in found.different] == ["could not be read"]
