@@ -42,7 +42,7 @@ class Rates:
         """Return the index of a block's rate, or CONTINUOUS, or MAJOR."""
         _node, kind = self._nodes[sid]
         rate = self._found[sid] or ALWAYS
-        if kind.major or (kind.sampled and rate[0] in (0.0, NEVER)):
+        if kind.major or ((kind.sampled or kind.stepwise) and rate[0] in (0.0, NEVER)):
             return MAJOR
         return self.periods.index(rate) if 0.0 < rate[0] < NEVER else CONTINUOUS
 

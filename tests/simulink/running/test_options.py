@@ -296,3 +296,33 @@ def test_what_is_open_is_as_wide_as_a_matrix_needs(tmp_path):
     values = rig.values(tmp_path)
     assert values["y"].tolist() == [7.0, 8.0]
     assert np.ravel(values["row"]).tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("number", "expected"), [("5", 10.0), ("1", 30.0), ("2", 20.0), ("7", 30.0)]
+)
+def test_a_multiport_switch_goes_by_the_indices_of_its_ports(number, expected, tmp_path):
+    rig = Rig()
+    inputs = [rig.constant(value) for value in (number, "10", "20", "30")]
+    rig.show(rig.block("MultiPortSwitch", "choice", *inputs, Inputs="3",
+                       DataPortOrder="Specify indices", DataPortIndices="{5,[2 3],1}"),
+             "y")  # fmt: skip
+    assert rig.values(tmp_path) == {"y": expected}
+
+
+@pytest.mark.parametrize("mode", ["inherited", "continuous"])
+def test_a_slope_is_limited_from_sample_to_sample_where_what_comes_in_is_sampled(mode, tmp_path):
+    """By samples it begins below the input, and rises at once; else it begins with the input."""
+    rig = Rig()
+    steps = rig.block("simulink/Sources/Repeating Sequence Stair", "steps",
+                      OutValues="[1 1 1 5 5 5 5 5 5 5]", tsamp="0.1")  # fmt: skip
+    rig.show(rig.block("RateLimiter", "limited", steps, RisingSlewLimit="4",
+                       SampleTimeMode=mode, InitialCondition="0.3"), "y")  # fmt: skip
+    run = rig.run(tmp_path, 0.8)
+    t, y = run.time, shown(run, "y")
+    if mode == "continuous":
+        expected = np.clip(1.0 + 4.0 * (t - 0.3), 1.0, 5.0)
+    else:
+        last = np.floor(t / 0.1 + 1e-6)
+        expected = np.where(last < 3, np.minimum(1.0, 0.7 + 0.4 * last), 1.0 + 0.4 * (last - 2))
+    assert y == pytest.approx(expected, abs=0.01 if mode == "continuous" else 1e-9)

@@ -26,6 +26,7 @@ class Kind:
     sampled: bool = False  # whether it is never continuous, as a delay
     continuous: bool | Callable[[Settings], bool] = False  # whether it always is: an integrator
     major: bool = False  # whether it changes at major steps alone, as a Memory
+    stepwise: bool = False  # whether it does so unless what comes in is sampled
     constant: bool = False
     sample_time: str = "SampleTime"  # its parameter; "" where it has none
 
@@ -54,6 +55,7 @@ def kind(
     sampled: bool = False,
     continuous: bool | Callable[[Settings], bool] = False,
     major: bool = False,
+    stepwise: bool = False,
     constant: bool = False,
     sample_time: str = "SampleTime",
 ) -> Callable[[Write], Write]:
@@ -68,6 +70,7 @@ def kind(
                 sampled=sampled,
                 continuous=continuous,
                 major=major,
+                stepwise=stepwise,
                 constant=constant,
                 sample_time=sample_time,
             )

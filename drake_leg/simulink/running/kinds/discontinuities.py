@@ -7,7 +7,7 @@ import numpy as np
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.options import sample_time
-from drake_leg.simulink.running.settings import Signal, zero_like
+from drake_leg.simulink.running.settings import Settings, Signal, zero_like
 
 
 def _with(w: Writer, u: Operand, *values: Signal) -> tuple[Operand, list[str]]:
@@ -122,17 +122,22 @@ def _with_time(w: Writer) -> None:
     w.remember("t", number=1)
 
 
-@kind("RateLimiter", finish=_with_time, major=True, sample_time="")
+def _ignores_samples(settings: Settings) -> bool:
+    return settings.text("SampleTimeMode", "inherited") == "continuous"
+
+
+@kind("RateLimiter", finish=_with_time, stepwise=True, continuous=_ignores_samples, sample_time="")
 def rate_limiter(w: Writer) -> None:
-    """Limit the slope of a signal, from step to step."""
+    """Limit the slope of a signal, from step to step; of a sampled one from its start on."""
     u = w.numeric()
     rising, falling = (
         w.settings.array("RisingSlewLimit", "1"),
         w.settings.array("FallingSlewLimit", "-1"),
     )
     u, (up, down) = _with(w, u, rising, falling)
-    before = w.remembered(u.value)
-    at = w.remembered(w.begins, number=1)
+    start = u.value if w.period is None else w.settings.array("InitialCondition", "0")
+    before = w.remembered(start)
+    at = w.remembered(w.begins - (w.period or 0.0), number=1)
     since = f"(t - {at.code})"
     moved = Operand(code=f"{u.code} - {before.code}", value=u.value)
     low, high = f"{down} * {since}", f"{up} * {since}"

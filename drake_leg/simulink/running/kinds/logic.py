@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from drake_leg.simulink.matlab.data import Cell, numbers_of
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.settings import zero_like
@@ -130,15 +131,18 @@ def manual(w: Writer) -> None:
 @kind("MultiPortSwitch")
 def multiport(w: Writer) -> None:
     """Pass on the input that the first one numbers, for each of its elements if it has several."""
-    zero_based = w.settings.text("DataPortOrder", "One-based contiguous").startswith("Zero")
-    first = 0 if zero_based else 1
+    order = w.settings.text("DataPortOrder", "One-based contiguous")
+    first = 0 if order.startswith("Zero") else 1
     choices = [w.input(place) for place in range(1, w.count)]
     if len(choices) == 1:
         u, control = w.vector(1), w.number(0)
         w.out(f"float({u.code}[which({control.code}, {first}, {u.size})])")
         return
     control = w.numeric(0)
+    by_index = order.startswith("Specify")
     if control.size > 1:
+        if by_index:
+            raise w.fault("chooses each element by an index of its own: count the ports instead")
         control, *choices = w.alike([control, *choices])
         rows = ", ".join(
             f"np.broadcast_to({one.code}, {control.shape})" if one.is_scalar else one.code
@@ -147,7 +151,22 @@ def multiport(w: Writer) -> None:
         w.out(f"picked({control.code}, {first}, ({rows},))")
         return
     codes = ", ".join(one.code for one in _one_shape(w, choices))
-    w.out(f"({codes},)[which({w.number(0).code}, {first}, {len(choices)})]")
+    number = w.number(0).code
+    place = f"which({number}, {first}, {len(choices)})"
+    if by_index:
+        place = f"{_places_by_index(w)}.get(floor({number}), {len(choices) - 1})"
+    w.out(f"({codes},)[{place}]")
+
+
+def _places_by_index(w: Writer) -> dict[float, int]:
+    """Map the indices that the ports of a switch have to their places."""
+    given = w.settings.value("DataPortIndices", "{1,2,3}")
+    indices = given.items.ravel() if isinstance(given, Cell) else [given]
+    return {
+        float(index): place
+        for place, each in enumerate(indices)
+        for index in np.ravel(numbers_of(each))
+    }
 
 
 def _one_shape(w: Writer, operands: list[Operand]) -> list[Operand]:
