@@ -561,7 +561,7 @@ Mechanical Translational Reference, Gear Box, Lever, Wheel and Axle, Rotational 
 Interface, Translational Multibody Interface, Electrical Reference, Resistor, Capacitor,
 Inductor, DC Voltage Source, Controlled Voltage Source, Controlled Current Source, Current
 Sensor, Voltage Sensor, Rotational Electromechanical Converter, Translational Electromechanical
-Converter, Open Circuit, Diode, Switch, DC Current Source, AC Voltage Source, AC Current Source,
+Converter, Open Circuit, Diode, DC Current Source, AC Voltage Source, AC Current Source,
 Ideal Transformer, Gyrator
 """
 _ELECTRICAL = without_table(

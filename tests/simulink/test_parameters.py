@@ -116,8 +116,8 @@ def test_options_and_what_is_unknown_stay_text(parameters):
 
 
 def test_units_that_nobody_here_needs_stay(parameters):
-    found = parameters("fl_lib/Electrical/Resistor", {"R": "Rload", "R_unit": "Ohm"})
-    assert (found["R"], found["R_unit"]) == ("Rload", "Ohm")
+    found = parameters("fl_lib/Thermal/Mass", {"T": "Tair", "T_unit": "degC"})
+    assert (found["T"], found["T_unit"]) == ("Tair", "degC")
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ def motor_and_drive(b: Bench) -> None:
     asked = b.law(f"drive_torque({{0}}, {{1}}, {most!r}, {power!r})", b.input("T"), velocity)
     torque, rate = b.state()
     b.zero(b.positive("Tc", 0.02) * rate + torque - asked)
-    rotor(b, torque, velocity)
+    rotor(b, torque, velocity, b.number("lam", 0.0))
     b.output("w", velocity)
     base, iron, copper = _losses(b)
     current = b.through("p", "n")

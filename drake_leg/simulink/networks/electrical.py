@@ -49,16 +49,6 @@ def diode(b: Bench) -> None:
     b.flow("n", -current)
 
 
-@element("Switch")
-def switch(b: Bench) -> None:
-    """Conduct while a signal is above a threshold."""
-    closed, opened = b.positive("R_closed", 0.01), b.positive("G_open", 1e-8)
-    law = f"{{0}} * ({1.0 / closed!r} if {{1}} > {b.number('Threshold', 0.0)!r} else {opened!r})"
-    current = b.law(law, b.between("p", "n"), b.input("s"))
-    b.flow("p", current)
-    b.flow("n", -current)
-
-
 # --- sources ---------------------------------------------------------------------------------
 
 
@@ -176,7 +166,6 @@ def converter(b: Bench) -> None:
 def motor(b: Bench) -> None:
     """Turn R by a current through a winding with back-emf, against inertia and damping."""
     b.require("field_option", "pm", "1")
-    b.require("lam_param", "damping", "1")
     b.require("enable_fault_armature", "off", "0")
     constant, resistance = _of_winding(b)
     current, rate = b.state("i_L")
@@ -184,7 +173,19 @@ def motor(b: Bench) -> None:
     velocity = b.between("R", "C")
     inductance = b.positive("La", 12e-6)
     b.zero(b.between("p", "n") - resistance * current - inductance * rate - constant * velocity)
-    rotor(b, constant * current, velocity)
+    rotor(b, constant * current, velocity, _damping(b, constant, resistance))
+
+
+def _damping(b: Bench, constant: float, resistance: float) -> float:
+    """Return the damping of a motor, or that which a current without load makes up for."""
+    ways = {"1": "damping", "damping": "damping", "2": "current", "current": "current"}
+    if b.chosen("lam_param", "damping", ways) == "damping":
+        return b.number("lam", 0.0)
+    current = b.number("i_noload", 0.0)
+    back = b.positive("V_i_noload", 1.5) - resistance * current
+    if not back > 0.0:
+        raise b.fault(f"has the current {current:g} A without load, which its voltage cannot drive")
+    return constant**2 * current / back
 
 
 def _of_winding(b: Bench) -> tuple[float, float]:
@@ -200,10 +201,9 @@ def _of_winding(b: Bench) -> tuple[float, float]:
     return constant, constant * voltage / b.positive("T_stall", 2.4e-4)
 
 
-def rotor(b: Bench, torque: Linear, velocity: Linear) -> None:
+def rotor(b: Bench, torque: Linear, velocity: Linear, damping: float) -> None:
     """Let a torque turn R relative to C against a rotor's inertia and damping."""
-    effort = b.through("R", "C")
-    inertia, damping = b.number("J", 1e-9), b.number("lam", 0.0)
+    effort, inertia = b.through("R", "C"), b.number("J", 1e-9)
     effort_of_rotor = damping * velocity - torque
     if inertia:
         turning, rate = b.state("w", start=b.number("speed0", 0.0))

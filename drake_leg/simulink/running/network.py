@@ -12,7 +12,7 @@ from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
 from drake_leg.simulink.model import Block, Model, Parameters, split_port
 from drake_leg.simulink.networks.reading import Part, networks_of
-from drake_leg.simulink.networks.reflection import without_accelerations
+from drake_leg.simulink.networks.reflection import Reflected, without_accelerations
 from drake_leg.simulink.wiring import flatten
 
 GATES = ("EnablePort", "TriggerPort", "ActionPort")
@@ -54,6 +54,7 @@ class SignalNetwork:
     entries: tuple[Block, ...] = ()  # the model's own ports, where nothing is given
     folders: Folders | None = None  # where functions lie in files
     shared: Mapping[str, Any] = field(default_factory=dict)  # global variables of scripts
+    reflected: tuple[Reflected, ...] = ()  # inertias of networks at joints
 
 
 def selected_names(block: Block) -> list[str]:
@@ -148,12 +149,14 @@ class _Reading:
             entries=self._entries,
             folders=None if variables is None else variables.workspace.folders,
             shared={} if variables is None else variables.workspace.globals,
+            reflected=self._reflected,
         )
 
     def _in_networks(self) -> Iterator[Node]:
         """Yield the blocks of networks of one dimension; those that nothing senses do not run."""
         found = networks_of(self._blocks, self._flat.nodes, self._drivers)
-        for network in without_accelerations(found, self._blocks, self._drivers)[0]:
+        networks, self._reflected = without_accelerations(found, self._blocks, self._drivers)
+        for network in networks:
             given = {port for part in network.parts for port in part.gives}
             if not given & self._read:
                 continue

@@ -106,6 +106,7 @@ def _understood(model: Model, ready: Runnable) -> dict[str, Any]:
             {"blocks": [block.path for block in loop.blocks], "unknown_signals": len(loop.torn)}
             for loop in code.loops
         ],
+        "networks": _of_networks(model, ready),
         "mechanism": None,
     }
     if mechanism is not None:
@@ -124,6 +125,18 @@ def _understood(model: Model, ready: Runnable) -> dict[str, Any]:
             "contact": _contact(mechanism),
         }
     return found
+
+
+def _of_networks(model: Model, ready: Runnable) -> dict[str, Any]:
+    """Count what runs of networks of one dimension, and name what they add to joints."""
+    names = {block.sid: block.path for block in model.blocks}
+    return {
+        "blocks": sum(node.part is not None for node in ready.network.nodes.values()),
+        "inertias_at_joints": [
+            {"joint": names[split_port(one.driven)[0]], "inertia": one.inertia}
+            for one in ready.network.reflected
+        ],
+    }
 
 
 def _contact(mechanism: MechanismSystem | DrivenMechanism) -> str | None:
@@ -155,6 +168,11 @@ def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
         yield (
             f"nothing gives derivatives of the motions from {names}: joints follow them by a "
             f"filter of second order with {1e3 * FILTER:g} ms"
+        )
+    steady = [block.name for block in model.blocks if block.parameters.get("DoDC") == "on"]
+    if steady:
+        yield (
+            f"the run starts at the targets of its states, not at rest as {', '.join(steady)} asks"
         )
     if "fixed step" in ready.solver:
         step = f"{ready.solver['fixed step']:g} s"

@@ -118,7 +118,7 @@ def test_a_transformer_shows_a_load_by_the_square_of_its_ratio(tmp_path):
     made.current("a", "b", "drawn")
     made.part(
         ELEMENTS, "Ideal Transformer", "T",
-        {"lconn:1": "b", "rconn:1": "0", "lconn:2": "c", "rconn:2": "0"}, n="3",
+        {"lconn:1": "b", "lconn:2": "0", "rconn:1": "c", "rconn:2": "0"}, n="3",
     )  # fmt: skip
     made.resistor("R", "c", "0", "2")
     made.voltage("c", "0", "given")
@@ -188,3 +188,15 @@ def test_a_value_that_is_not_known_is_a_lack(tmp_path):
     made.voltage("a", "0", "held")
     with pytest.raises(InvalidValueError, match=r"give a value of ohms"):
         made.run(tmp_path)
+
+
+def test_a_gyrator_shows_a_capacitor_as_an_inductor(tmp_path):
+    """5 = R i + (C / G^2) i'."""
+    made = fed()
+    made.current("a", "b", "current")
+    made.resistor("R", "b", "c", "2")
+    ends = {"lconn:1": "c", "lconn:2": "0", "rconn:1": "d", "rconn:2": "0"}
+    made.part(ELEMENTS, "Gyrator", "turns", ends, G="0.5")
+    capacitor(made, "C", "d", "0", "0.1")
+    run = made.run(tmp_path)
+    np.testing.assert_allclose(shown(run, "current"), 2.5 * -np.expm1(-run.time / 0.2), atol=1e-7)

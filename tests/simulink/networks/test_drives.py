@@ -183,6 +183,20 @@ def test_a_motor_is_given_by_stall_torque_and_fastest_speed(tmp_path):
         made.run(tmp_path)
 
 
+def test_a_motor_without_load_draws_the_current_that_is_given(tmp_path):
+    made = Circuit()
+    made.ground()
+    made.two("Electrical Sources", "DC Voltage Source", "source", "p", "0", v0="12")
+    made.current("p", "q", "current")
+    made.part("ee_lib/Electromechanical/Brushed Motors/", "DC Motor", "motor",
+              {"lconn:1": "q", "lconn:2": "s", "rconn:1": "0", "rconn:2": "rest"},
+              Ra="1.5", La="1e-3", Kv="0.05", J="1e-4",
+              lam_param="ee.enum.lam_param.current", i_noload="0.3", V_i_noload="12")  # fmt: skip
+    made.one(TURNING, "Mechanical Rotational Reference", "held", "rest")
+    run = made.run(tmp_path, 2.0)
+    assert shown(run, "current")[-1] == pytest.approx(0.3, rel=1e-6)
+
+
 def test_a_network_keeps_its_energy(tmp_path):
     """A spring, an inductor and a mass at one converter: nothing is lost."""
     made = Circuit()

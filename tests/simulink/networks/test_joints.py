@@ -20,6 +20,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.reader import read_model
 from drake_leg.simulink.running.porting import data_name, ported
 from drake_leg.simulink.running.running import run_model, runnable
+from drake_leg.simulink.running.summary import remarks_of, summary_of
 
 TURNING, MECHANISMS = "Rotational Elements", "Mechanisms"
 GRAVITY, MASS, LENGTH = 9.80665, 0.4, 1.0  # of a rod that hangs from its end
@@ -92,6 +93,20 @@ def test_a_geared_rotor_swings_with_a_pendulum(tmp_path):
     run = made.run(tmp_path)
     expected = swung(run.time, ROD + 36.0 * 3e-3, 36.0 * 0.01 / 2.0)
     np.testing.assert_allclose(shown(run, "angle"), expected, atol=1e-7)
+
+
+def test_a_summary_tells_the_inertias_at_joints(tmp_path):
+    made, joint = pendulum()
+    shorted_motor(made)
+    interface(made, joint)
+    made.one(TURNING, "Rotational Free End", "end", "s")
+    made.add_library("nesl_utility/Solver Configuration", "solver", {"DoDC": "on"})
+    model = read_model(made.write(tmp_path / "m.slx"))
+    ready = runnable(model, duration=0.0)
+    run = run_model(ready)
+    (felt,) = summary_of(model, ready, run, (), ())["understood"]["networks"]["inertias_at_joints"]
+    assert felt == {"joint": "Pivot", "inertia": pytest.approx(36.0 * 3e-3, rel=1e-12)}
+    assert any("not at rest as solver asks" in each for each in remarks_of(model, ready, run))
 
 
 def test_a_geared_rotor_is_that_of_a_joint_actuator_of_drakes(tmp_path):
