@@ -245,6 +245,12 @@ _SOLID = (
     + choices(GraphicType="FromGeometry")
     + numbers(GraphicDiffuseColor="[0.5 0.5 0.5]", GraphicOpacity="1.0")
 )
+_VARIABLE = (
+    quantities("m", Radius="1")
+    + quantities("kg", Mass="1")
+    + quantities("kg/m^3", Density="1000")
+    + numbers(GraphicDiffuseColor="[0.5 0.5 0.5]", GraphicOpacity="1.0")
+)
 _BRICK = quantities("m", BrickDimensions="[1 1 1]")
 _CYLINDER = quantities("m", CylinderRadius="1", CylinderLength="1")
 _SPHERE = quantities("m", SphereRadius="1")
@@ -317,6 +323,13 @@ _OTHERS: dict[str, Parameters] = {
     "Revolved Solid": _SOLID,
     "Solid": choices(GeometryShape="Brick") + _BRICK + _CYLINDER + _SPHERE + _ELLIPSOID + _SOLID,
     "Inertia": choices(InertiaType="PointMass") + _INERTIA,
+    "Variable Spherical Solid": choices(RadiusType="Constant", MassType="CalculateFromGeometry")
+    + _VARIABLE,
+    "Variable Cylindrical Solid": choices(
+        LengthType="Constant", RadiusType="Constant", MassType="CalculateFromGeometry"
+    )
+    + quantities("m", Length="1")
+    + _VARIABLE,
     "Graphic": choices(GraphicType="Marker")
     + numbers(GraphicDiffuseColor="[0.5 0.5 0.5]", GraphicOpacity="1.0"),
     "Mechanism Configuration": choices(UniformGravity="Constant")
@@ -373,7 +386,7 @@ Configuration, Simscape Multibody Explorer, Connection Frame,
 Convex Hull, Point on Surface Constraint, Flexible Angle Beam, Flexible
 Channel Beam, Flexible Cylindrical Beam, Flexible I Beam, Flexible Rectangular Beam, Flexible T
 Beam, General Flexible Beam, General Flexible Plate, Reduced Order Flexible Solid, Variable
-Brick Solid, Variable Cylindrical Solid, Variable Spherical Solid, General Variable Mass,
+Brick Solid, General Variable Mass,
 Inertia Sensor, Belt-Cable Properties, Belt-Cable End, Belt-Cable Spool, Pulley, Planar Contact
 Force, Line Segment
 """

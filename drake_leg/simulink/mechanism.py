@@ -206,6 +206,8 @@ SOLIDS = (
     "File Solid",
     "Inertia",
     "Revolved Solid",
+    "Variable Cylindrical Solid",
+    "Variable Spherical Solid",
 )
 
 

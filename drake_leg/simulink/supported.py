@@ -18,6 +18,7 @@ from drake_leg.simulink.catalogue import (
 )
 from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES, PLACES, SOLIDS
 from drake_leg.simulink.multibody.joints import SINGLE
+from drake_leg.simulink.multibody.variable import VARIABLE
 from drake_leg.simulink.networks import drives, electrical, mechanical  # noqa: F401 - fill KINDS
 from drake_leg.simulink.networks.assembly import KINDS as ELEMENTS
 from drake_leg.simulink.networks.ports import LIBRARIES as NETWORKS
@@ -68,6 +69,7 @@ _PARTS = {
     "Graphic": "nothing: it has no mass",
     "Inertia": "mass and inertia of a body",
     "File Solid": "a body of given mass, or that of an STL or STEP file; trimesh shows its shape",
+    **dict.fromkeys(VARIABLE, "a body, where its sizes and mass are constant, or inputs that are"),
     "Solid": "as Brick, Cylindrical, Spherical, Ellipsoidal, Extruded, Revolved, File Solid",
     "Weld Joint": "two frames of one body; one that senses is a fixed joint",
     "Lead Screw Joint": "a screw joint along z",

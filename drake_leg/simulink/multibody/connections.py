@@ -20,6 +20,7 @@ from drake_leg.simulink.model import Block, Model, is_on, vector
 from drake_leg.simulink.multibody.joints import Primitive, primitives_of
 from drake_leg.simulink.multibody.mass import Array, MassProperties
 from drake_leg.simulink.multibody.solids import GEOMETRIES, NO_MASS, REFERENCE, Solid
+from drake_leg.simulink.multibody.variable import constant_inputs
 from drake_leg.simulink.wiring import physical_part
 
 T = TypeVar("T")
@@ -145,7 +146,7 @@ class _Reading:
         self._blocks = flat.blocks
         self._find = model.variables.workspace.folders.geometry if model.variables else None
         self._network: PhysicalNetwork = network_of(flat)
-        self._placed = model.features
+        self._placed, self._inputs = model.features, constant_inputs(model)
         self._problems: dict[str, None] = {}
         self._only: dict[str, Array] = {}
         self._unplaced: dict[str, dict[str, UnplacedFeatureError]] = {}  # by feature, then block
@@ -175,7 +176,9 @@ class _Reading:
             elif block.kind in JOINTS:
                 joints.append(self._joint(block))
             elif block.kind in SOLIDS:
-                solid = Solid(block=block, find=self._find, placed=self._placed)
+                solid = Solid(
+                    block=block, find=self._find, placed=self._placed, inputs=self._inputs
+                )
                 self._attempt(NO_MASS, _properties, solid)
                 solids.append((_own(block), solid))
                 rigid += self._at_solid(solid)

@@ -26,6 +26,7 @@ from drake_leg.simulink.multibody.mass import Array, MassProperties
 from drake_leg.simulink.multibody.step import ENDINGS as STEP_ENDINGS
 from drake_leg.simulink.multibody.step import only_place, properties_of_step, unit_of_step
 from drake_leg.simulink.multibody.stl import is_closed, of_mesh, read_stl
+from drake_leg.simulink.multibody.variable import VARIABLE, Input, no_inputs, sizes_of
 from drake_leg.simulink.placed_features import feature_key
 from drake_leg.units import parse_unit
 
@@ -213,6 +214,7 @@ class Solid:
     block: Block
     find: Find | None = None  # where a file lies, by its name
     placed: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # features of files
+    inputs: Input | None = None  # constants that enter at its ports
 
     @cached_property
     def shape(self) -> Shape | None:
@@ -223,7 +225,17 @@ class Solid:
         InvalidValueError
             If a dimension is missing or not positive.
         """
+        if self.block.kind in VARIABLE:
+            sizes, _ = self._variable
+            if "Length" in sizes:
+                return Cylinder(radius=sizes["Radius"], length=sizes["Length"])
+            return Ellipsoid(radii=(sizes["Radius"],) * 3)
         return _shape(self.block, self.find, self.placed)
+
+    @cached_property
+    def _variable(self) -> tuple[Mapping[str, float], float]:
+        """Sizes and mass of a solid whose may change, and do not."""
+        return sizes_of(self.block, self.inputs or no_inputs)
 
     @cached_property
     def properties(self) -> MassProperties:
@@ -254,6 +266,8 @@ class Solid:
     def _of_shape(self) -> MassProperties:
         shape = self.shape
         assert shape is not None, self.block.kind
+        if self.block.kind in VARIABLE:
+            return mass.of_mass(shape.properties(1.0), self._variable[1])
         try:
             based = self.block.parameters.get("BasedOnType", "Density")
             if based == "Mass":

@@ -8,6 +8,7 @@ from typing import Any
 
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
 from drake_leg.simulink.model import Model, Value
+from drake_leg.simulink.multibody.variable import constant_inputs, with_constants
 from drake_leg.simulink.networks.reflection import reflected_of
 from drake_leg.simulink.placed_features import feature_key
 from drake_leg.simulink.wiring import physical_part
@@ -52,11 +53,9 @@ def mechanism_data(model: Model, contact: Contact) -> dict[str, Any]:
     """Gather the blocks of a mechanism with the parameters that its dynamics read."""
     flat = physical_part(model)
     ends = {port.partition("#")[0] for node in flat.nodes for port in node}
-    blocks = [
-        replace(block, system="", parameters=_Read(block.parameters))
-        for block in flat.blocks
-        if block.sid in ends
-    ]
+    inputs = constant_inputs(model)
+    constant = (with_constants(block, inputs) for block in flat.blocks if block.sid in ends)
+    blocks = [replace(block, system="", parameters=_Read(block.parameters)) for block in constant]
     reflected = reflected_of(model)
     whole = replace(flat, blocks=tuple(blocks))
     system = mechanism_dynamics(whole, contact=contact, reflected=reflected)
