@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -84,7 +85,14 @@ class Bench:
     # --- parameters ---
 
     def number(self, name: str, default: float) -> float:
-        """Evaluate a parameter, in SI."""
+        """Evaluate a parameter that must be finite, in SI."""
+        found = self.bound(name, default)
+        if not math.isfinite(found):
+            raise self.fault(f"has the {name} {found:g}: it must be finite")
+        return found
+
+    def bound(self, name: str, default: float) -> float:
+        """Evaluate a parameter that may be infinite, in SI."""
         return parameter(self.block, name, default)
 
     def positive(self, name: str, default: float) -> float:

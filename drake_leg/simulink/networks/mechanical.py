@@ -83,7 +83,7 @@ def hard_stop(b: Bench) -> None:
     """Push back beyond two bounds, with stiffness and damping."""
     turns = b.block.kind.startswith("Rotational")
     law = b.chosen("model", "3", {"1": "smooth", "2": "undamped", "3": "damped"})
-    low, high = b.number("lower_bnd", -0.1), b.number("upper_bnd", 0.1)
+    low, high = b.bound("lower_bnd", -0.1), b.bound("upper_bnd", 0.1)
     if not low < high:
         raise b.fault(f"has the bounds {low:g} and {high:g}: the lower one must be less")
     stiff, damped = 1e6, 0.01 if turns else 150.0

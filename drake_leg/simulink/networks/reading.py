@@ -165,7 +165,6 @@ def _strangers(
     held = dict.fromkeys(split_port(port)[0] for net in nets for port in net)
     others = [blocks[sid] for sid in held if sid not in own and sid in blocks]
     others = [block for block in others if block.kind not in BESIDE]
-    others += [block for block in own.values() if block.kind not in KINDS]
     return [
         InvalidValueError(
             block.unknown

@@ -6,6 +6,9 @@ from circuits import Circuit
 from rigs import shown
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.networks.assembly import KINDS as WITH_EQUATIONS
+from drake_leg.simulink.networks.elimination import eliminated
+from drake_leg.simulink.networks.ports import KINDS
 
 ELEMENTS, SOURCES = "Electrical Elements", "Electrical Sources"
 
@@ -180,6 +183,31 @@ def test_targets_that_contradict_one_another_are_refused(tmp_path):
     made.voltage("b", "0", "held")
     with pytest.raises(InvalidValueError, match=r"choose targets that agree"):
         made.run(tmp_path)
+
+
+def test_a_value_that_is_not_finite_is_refused(tmp_path):
+    made = fed()
+    made.resistor("R", "a", "0", "inf")
+    made.voltage("a", "0", "held")
+    with pytest.raises(InvalidValueError, match=r"'R'.*R inf: it must be finite"):
+        made.run(tmp_path)
+
+
+def test_all_kinds_of_blocks_have_ports_and_equations():
+    assert set(KINDS) == set(WITH_EQUATIONS)
+
+
+def test_what_cancels_is_told_from_what_is_small():
+    """Of four equations one is the sum of two others, and one has a coefficient of 1e-9."""
+    M = np.array([[1.0, 1.0, 0.0], [0.3, -1.0, 1e-9], [1.3, 0.0, 1e-9], [0.0, 1.0, 0.0]])
+    N = np.array([[1.0, 0.0], [0.1, 1.0], [1.1, 1.0], [0.0, 0.0]])
+    found = eliminated(M, N)
+    assert not found.free
+    (row,) = found.left
+    np.testing.assert_array_equal(found.N[row], 0.0)
+    pivots = [found.pivots[column] for column in range(3)]
+    x = -found.N[pivots]
+    np.testing.assert_allclose(M @ x + N, 0.0, atol=1e-12)
 
 
 def test_a_value_that_is_not_known_is_a_lack(tmp_path):
