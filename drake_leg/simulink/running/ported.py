@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
 from drake_leg.simulink.dynamics.system import MechanismSystem, mechanism_dynamics
+from drake_leg.simulink.matlab.folders import Folders, parsed
+from drake_leg.simulink.matlab.frames import File
 from drake_leg.simulink.model import Block, Model, Value
 from drake_leg.simulink.networks.reflection import Reflected
 from drake_leg.simulink.running.code import Recorded
@@ -52,6 +55,26 @@ class WrittenCode(Code):
 
 def _nothing(*_: object) -> Array:
     return np.zeros(0)
+
+
+class WrittenFunctions(Folders):
+    """MATLAB functions in files whose lines are given, by their names."""
+
+    def __init__(self, lines: Mapping[str, Sequence[str]]) -> None:
+        super().__init__()
+        self._lines, self._read = lines, dict[str, File]()
+
+    def code(self, name: str, beside: Path | None = None) -> Path | None:
+        """Name the file that has a function."""
+        return Path(f"{name}.m") if name in self._lines else None
+
+    def function(self, name: str, beside: Path | None, *, known: bool) -> File | None:
+        """Find the file of a function."""
+        if name in self._lines and name not in self._read:
+            tree = parsed("\n".join(self._lines[name]), f"{name}.m")
+            functions = {one.name: one for one in tree.functions}
+            self._read[name] = File(name=f"{name}.m", functions=functions, folder=Path())
+        return self._read.get(name)
 
 
 def shown(block: str, port: int, name: str, shape: tuple[int, ...] = ()) -> Recorded:

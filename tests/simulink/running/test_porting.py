@@ -153,14 +153,53 @@ def test_a_mechanism_that_is_driven_and_sensed(tmp_path, mode):
     assert "LowerLimitSpringStiffness" not in script.data  # which nothing reads
 
 
-def test_code_that_needs_other_files_is_refused(tmp_path):
-    (tmp_path / "twice.m").write_text("function y = twice(u)\ny = 2*u;\n", encoding="utf-8")
+def test_functions_in_files_come_with_the_script(tmp_path):
+    """One calls another, in a folder of its own, and counts its calls."""
+    (tmp_path / "private").mkdir()
+    for name, code in {
+        "twice.m": "function y = twice(u)\npersistent n\nif isempty(n)\n n = 0;\nend\n"
+        "n = n + 1;\ny = 2*u + 0*n + more(u);\n",
+        "private/more.m": 'function y = more(u)\ny = u^2; % "more"\n',
+    }.items():
+        (tmp_path / name).write_text(code, encoding="utf-8")
     rig = Rig()
     code = rig.add_function("Doubler", "function y = f(u)\ny = twice(u);\n")
-    rig.connect(rig.block("Clock", "Clock"), code)
+    clock = rig.block("Clock", "Clock")
+    rig.connect(clock, code)
     rig.show(code, "doubled")
-    with pytest.raises(InvalidValueError, match=r"Doubler.*functions in other files"):
-        both(rig, tmp_path, 1.0)
+    rig.show(rig.block("MATLABFcn", "Formula", clock, MATLABFcn="1 + twice(u)"), "more")
+    file = rig.write(tmp_path / "m.slx")
+    ready = runnable(read_model(file), duration=1.0)
+    script = ported(read_model(file), ready, "alone")
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    (alone / "alone.py").write_text(script.text, encoding="utf-8")
+    (alone / data_name("alone")).write_text(script.data, encoding="utf-8")
+    for path in (tmp_path / "twice.m", tmp_path / "private" / "more.m", file):
+        path.unlink()
+    theirs = runpy.run_path(str(alone / "alone.py"))["run"]()
+    doubled, more = (each.values[:, 0] for each in theirs.shown)
+    np.testing.assert_allclose(doubled, 2.0 * theirs.time + theirs.time**2, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(more, 1.0 + doubled, rtol=0, atol=1e-12)
+    assert '\n      "y = u^2; % \\"more\\""' in script.data  # a line for each of theirs
+
+
+def test_two_functions_of_one_name_are_refused(tmp_path):
+    """Each caller has one in its own private folder."""
+    for folder, factor in (("a", 2), ("b", 3)):
+        (tmp_path / folder / "private").mkdir(parents=True)
+        inner = f"function y = part(u)\ny = {factor}*u;\n"
+        (tmp_path / folder / "private" / "part.m").write_text(inner, encoding="utf-8")
+        outer = f"function y = by{folder}(u)\ny = part(u);\n"
+        (tmp_path / folder / f"by{folder}.m").write_text(outer, encoding="utf-8")
+    rig = Rig()
+    code = rig.add_function("Both", "function y = f(u)\ny = bya(u) + byb(u);\n")
+    rig.connect(rig.block("Clock", "Clock"), code)
+    rig.show(code, "sum")
+    model = read_model(rig.write(tmp_path / "m.slx"), paths=[tmp_path])
+    ready = runnable(model, duration=1.0)
+    with pytest.raises(InvalidValueError, match=r"two functions 'part'.*rename one"):
+        ported(model, ready, "alone")
 
 
 @pytest.mark.parametrize(

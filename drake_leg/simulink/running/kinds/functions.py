@@ -22,9 +22,9 @@ from drake_leg.simulink.running.settings import Signal
 class Expression:
     """A MATLAB expression of some names, to be called with their values."""
 
-    def __init__(self, text: str, names: tuple[str, ...], folders: Folders | None = None) -> None:
+    def __init__(self, text: str, names: tuple[str, ...], functions: Folders | None = None) -> None:
         self.text = text
-        self._function = compiled_expression(text, names, functions=folders)
+        self._function = compiled_expression(text, names, functions=functions)
 
     @property
     def keeps(self) -> bool:

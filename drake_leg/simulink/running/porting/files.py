@@ -16,18 +16,21 @@ class Script:
     data: str  # JSON, of a file beside it; "" where it needs none
 
 
+ROWS = ("blocks", "connections")  # lists with a line for each entry
+
+
 def data_name(name: str) -> str:
     """Name the file of data beside a script."""
     return f"{name}_data.json"
 
 
 def json_lines(data: Mapping[str, Any]) -> str:
-    """Write data as JSON, each block, connection and array on a line of its own."""
+    """Write data as JSON, each block, connection, array and line of code on a line of its own."""
     parts = []
     for key, value in data.items():
         inner = []
         for name, each in value.items():
-            if isinstance(each, list) and name in ("blocks", "connections"):
+            if isinstance(each, list) and (key == "functions" or name in ROWS):
                 rows = ",\n      ".join(json.dumps(row, ensure_ascii=False) for row in each)
                 inner.append(f"    {json.dumps(name)}: [\n      {rows}\n    ]")
             else:

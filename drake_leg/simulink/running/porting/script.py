@@ -18,6 +18,7 @@ from drake_leg.simulink.running.compiling import Code
 from drake_leg.simulink.running.folding import WIDTH, folded
 from drake_leg.simulink.running.integrating import STEPS, automatic_step
 from drake_leg.simulink.running.porting.files import Script, data_name, json_lines
+from drake_leg.simulink.running.porting.functions import NotedFolders
 from drake_leg.simulink.running.porting.mechanism import mechanism_data
 from drake_leg.simulink.running.porting.proof import prove
 from drake_leg.simulink.running.porting.text import called, imports, names_in, rows, written
@@ -88,6 +89,8 @@ class _Writing:
         self._title = model.name.replace("\\", "/").replace('"', "'")
         self._contact, self._accuracy = contact, accuracy
         self._step = model.solver.get("FixedStep")
+        found = model.variables.workspace.folders if model.variables else None
+        self._folders = None if found is None else NotedFolders(found)
         self._mechanism = mechanism_data(model, contact) if ready.diagram.mechanism else None
         self._arrays: dict[str, Any] = {}
         self._paths = {block.sid: block.path or block.name for block in model.blocks}
@@ -101,12 +104,20 @@ class _Writing:
             found["mechanism"] = self._mechanism
         if self._arrays:
             found["arrays"] = self._arrays
+        if self._functions_beside:
+            found["functions"] = self._functions_beside
         return json_lines(found) if found else ""
+
+    @property
+    def _functions_beside(self) -> dict[str, list[str]]:
+        return {} if self._folders is None else self._folders.texts()
 
     def text(self) -> str:
         """Return the script."""
         first = [*self._constants()]
-        if self._mechanism is not None or self._arrays:
+        if self._functions_beside:
+            first = ['functions = WrittenFunctions(data["functions"])', *first]
+        if self._mechanism is not None or self._arrays or self._functions_beside:
             place = f"Path(__file__).with_name({data_name(self._name)!r})"
             first = [f'data = json.loads({place}.read_text(encoding="utf-8"))', *first]
         parts = [[*self._signals()], [*self._diagram()], [*self._main()], END]
@@ -142,7 +153,7 @@ class _Writing:
     def _constant(self, name: str, value: Any) -> str:  # noqa: ANN401 - of any kind
         call = self._ready.code.written.get(name)
         if call is not None:
-            return called(call)
+            return called(call, self._folders)
         if isinstance(value, np.ndarray) and value.size > INLINE and value.dtype == float:
             self._arrays[name] = value.tolist()
             return f'array(data["arrays"]["{name}"])'

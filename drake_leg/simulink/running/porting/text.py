@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.matlab.compiling import compiled
 from drake_leg.simulink.running import operations
 from drake_leg.simulink.running.code import NAMESPACE, Call, literal
 from drake_leg.simulink.running.diagram import Array
 from drake_leg.simulink.running.folding import WIDTH, folded
-from drake_leg.simulink.running.kinds.functions import Expression
+from drake_leg.simulink.running.porting.functions import NotedFolders
 
 PYDRAKE = {
     "Diagram": "pydrake.systems.framework",
@@ -23,7 +22,7 @@ PYDRAKE = {
     "TriggerType": "pydrake.systems.framework",
     "LogVectorOutput": "pydrake.systems.primitives",
 }
-MATLAB: dict[str, Callable[..., Any]] = {"compiled": compiled, "Expression": Expression}
+MATLAB = ("compiled", "Expression")  # their first argument is code
 RUNNING = "drake_leg.simulink.running"
 MODULES = {
     **PYDRAKE,
@@ -38,6 +37,7 @@ MODULES = {
     "recording_of": f"{RUNNING}.columns",
     "SignalSystem": f"{RUNNING}.system",
     "WrittenCode": f"{RUNNING}.ported",
+    "WrittenFunctions": f"{RUNNING}.ported",
     "mechanism_from": f"{RUNNING}.ported",
     "positive": f"{RUNNING}.ported",
     "simulated": f"{RUNNING}.ported",
@@ -132,25 +132,13 @@ def rows(name: str, matrix: Array) -> Iterator[str]:
     yield "])"
 
 
-def called(call: Call) -> str:
-    """Write a call."""
-    if call.function in MATLAB:
-        _require_alone(call)
+def called(call: Call, folders: NotedFolders | None) -> str:
+    """Write a call; code that calls functions in files has them from the script's `functions`."""
     words = [_text(each) if isinstance(each, str) else written(each, "") for each in call.arguments]
     words += [f"{key}={written(value, key)}" for key, value in call.named.items() if value]
+    if call.function in MATLAB and folders is not None and folders.note(call.arguments[0]):
+        words.append("functions=functions")
     return f"{call.function}({', '.join(words)})"
-
-
-def _require_alone(call: Call) -> None:
-    """Refuse code that calls functions in other files, which the script would not have."""
-    try:
-        MATLAB[call.function](*call.arguments, **call.named)
-    except InvalidValueError as error:
-        name = call.named.get("name", call.arguments[0])
-        raise InvalidValueError(
-            f"the MATLAB code {name!r} needs functions in other files, which the script would not "
-            f"have: {error}"
-        ) from None
 
 
 def _text(text: str) -> str:
