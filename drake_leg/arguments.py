@@ -150,6 +150,13 @@ def shown(value: object) -> str:
     return _with_article(type(value).__name__)
 
 
+def printable(text: str) -> str:
+    """Write control characters out, so that a name cannot speak to the terminal."""
+    if text.isprintable():
+        return text
+    return "".join(sign if sign.isprintable() else f"\\x{ord(sign):02x}" for sign in text)
+
+
 def _is_long(value: object) -> TypeGuard[int]:
     """Whether a value is an integer of more digits than a reader counts."""
     return isinstance(value, int) and abs(value) >= 10**MOST_DIGITS

@@ -625,6 +625,19 @@ def test_only_the_command_that_is_asked_for_is_imported():
     assert process("-c", code).returncode == 0
 
 
+def test_a_command_imports_only_what_it_works_with(tmp_path):
+    code = (
+        "import sys, drake_leg.cli as c\n"
+        "c.main(['doctor', 'leg-b', '--q', '90,-50,-90'])\n"
+        "assert not any(name.split('.')[0] == 'scipy' for name in sys.modules)\n"
+        "assert 'drake_leg.simulink.listing' not in sys.modules\n"
+        "import drake_leg.runs.figures\n"
+        "assert 'scipy.spatial' not in sys.modules"
+    )
+    done = process("-c", code)
+    assert done.returncode == 0, done.stderr
+
+
 def test_bad_input_is_one_sentence_on_the_standard_error(tmp_path):
     done = process("-m", "drake_leg", "run", "leg-b", "--out", tmp_path / "a" / "b", "--l1", "-1")
     assert done.returncode == 2

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
+from drake_leg.arguments import printable
 from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.model_files import add_model_options, is_model, opened, refuse_model_options
 from drake_leg.cli.terminal import option_of, picture, refuse_ignored
@@ -95,7 +96,6 @@ def _model(chosen: argparse.Namespace) -> str:
     """Draw a Simulink model."""
     from drake_leg.pictures.drawing import draw
     from drake_leg.pictures.of_simulink import model_pictures
-    from drake_leg.simulink.listing import printable
 
     _refuse_signal_options(chosen, "is for runs and means nothing to a Simulink model")
     model = opened(Path(chosen.name), chosen)

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from drake_leg.arguments import printable
 from drake_leg.cli.inputs import (
     WALKERS,
     add_robot_source,
@@ -156,7 +157,6 @@ def _posture(
     told: Mapping[str, str] = MappingProxyType({}),
 ) -> int:
     """Examine a posture of an open chain; say first what is ``told`` about the chain."""
-    from drake_leg.simulink.listing import printable
     from drake_leg.singularity.doctor import examine_posture
 
     place = _place(chosen)

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drake_leg.arguments import printable
 from drake_leg.cli.terminal import numbers, refuse_ignored
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink import ENDINGS
@@ -167,7 +168,6 @@ def opened(path: Path, chosen: argparse.Namespace, init: Sequence[Path] = ()) ->
 def asked_for(model: Model) -> list[str]:
     """Say how to give the values that a model lacks, and which file gives them."""
     from drake_leg.simulink.lacks import lacks_of
-    from drake_leg.simulink.listing import printable
     from drake_leg.simulink.suggestions import suggested_init
 
     lacks = lacks_of(model)
@@ -192,8 +192,6 @@ def asked_for(model: Model) -> list[str]:
 
 def as_many(hint: Suggestion) -> str:
     """Name the files that would do as well as the one that is suggested."""
-    from drake_leg.simulink.listing import printable
-
     if not hint.others:
         return ""
     shown = ", ".join(printable(str(path)) for path in hint.others[:_OTHERS])

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_leg.arguments import printable
 from drake_leg.cli.inputs import add_numbers, named_or_robot
 from drake_leg.cli.mechanisms import taken_from
 from drake_leg.cli.model_files import (
@@ -114,7 +115,7 @@ def _compare(chosen: argparse.Namespace) -> int:
     else:
         words = ModelAndRun(str(chosen.model), chosen.name)
         found = _model_and_run(chosen)
-    from drake_leg.simulink.listing import plain, printable
+    from drake_leg.simulink.listing import plain
 
     if chosen.json:
         lists = plain({"agrees": found.agrees, **found.as_json()})

@@ -21,7 +21,7 @@ from pydrake.systems.primitives import (
     VectorLogSink,
 )
 
-from drake_leg.arguments import checked
+from drake_leg.arguments import checked, printable
 from drake_leg.colours import Background
 from drake_leg.diagrams.wiring import LiveWire, plant_of, wires
 from drake_leg.pictures.drawing import Drawing, draw
@@ -38,7 +38,6 @@ from drake_leg.pictures.svg import (
     wrapped,
 )
 from drake_leg.robot.robot import Robot, frame_name
-from drake_leg.simulink.listing import printable
 from drake_leg.simulink.model import Model
 from drake_leg.systems.closed_loop import DrivenLoops, FreeLoops
 from drake_leg.systems.frame_sensor import FrameSensor

@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from drake_leg.arguments import printable
 from drake_leg.errors import InvalidValueError
 from drake_leg.pictures.drawing import draw
 from drake_leg.pictures.embedding import embedded_png, embedded_svg
 from drake_leg.pictures.of_simulink import model_pictures
 from drake_leg.pictures.outline import outline_picture
 from drake_leg.pictures.svg import Picture
-from drake_leg.simulink.listing import NotUnderstood, not_understood, printable, some_of
+from drake_leg.simulink.listing import NotUnderstood, not_understood, some_of
 from drake_leg.simulink.matlab.data import Cell, Struct, Structs
 from drake_leg.simulink.model import Model
 from drake_leg.simulink.multibody.bodies import Mechanism

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
+from drake_leg.arguments import printable
 from drake_leg.errors import InvalidValueError
 from drake_leg.pictures.mechanical import SIGNAL_WIDTH, number_text, values_text
 from drake_leg.pictures.simulink_mechanism import (
@@ -26,7 +27,6 @@ from drake_leg.pictures.svg import (
     wrapped,
 )
 from drake_leg.simulink.lacks import with_texts
-from drake_leg.simulink.listing import printable
 from drake_leg.simulink.matlab.program import Program, program
 from drake_leg.simulink.mechanism import (
     TO_PHYSICAL,

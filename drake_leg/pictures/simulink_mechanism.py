@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from pydrake.math import RigidTransform, RotationMatrix
 
+from drake_leg.arguments import printable
 from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.pictures.mechanical import (
     CAPTION_WIDTH,
@@ -24,7 +25,7 @@ from drake_leg.pictures.mechanical import (
 )
 from drake_leg.pictures.svg import DrawnBlock, Picture, wrapped
 from drake_leg.robot.solids import Brick, Cylinder, Shape, Sphere
-from drake_leg.simulink.listing import block_paths, printable
+from drake_leg.simulink.listing import block_paths
 from drake_leg.simulink.mechanism import (
     SOLIDS,
     Frame,

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from drake_leg.arguments import printable
 from drake_leg.errors import UnknownValueError
 from drake_leg.simulink.lacks import lacks_of
 from drake_leg.simulink.model import Block, Model, Value, split_port
@@ -278,13 +279,6 @@ def plain(value: object) -> object:
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return value
-
-
-def printable(text: str) -> str:
-    """Write control characters out, so that a name cannot speak to the terminal."""
-    if text.isprintable():
-        return text
-    return "".join(sign if sign.isprintable() else f"\\x{ord(sign):02x}" for sign in text)
 
 
 def _counted(number: int, what: str) -> str:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from drake_leg.kinematics.chain import geometry_of
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.kinematics.pendulum import PendulumModel
-from drake_leg.pictures.plots import foot_plots, pendulum_plots, walk_plots, walk_views
+from drake_leg.pictures.plots import foot_plots, pendulum_plots
 from drake_leg.pictures.plots.foot_plots import sine_frequency, stroboscope
 from drake_leg.robot.robot import JointType, Robot
 from drake_leg.simulation.recording import Recording
@@ -108,6 +108,8 @@ def _loops(title: str, robot: Robot, recording: Recording) -> Named:
 
 
 def _walk(title: str, robot: Robot, recording: Recording, summary: Mapping[str, Any]) -> Named:
+    from drake_leg.pictures.plots import walk_plots, walk_views  # slow to load
+
     paths, polygon = (
         f"{title}: paths of the feet in the body's frame",
         f"{title}: support, and its static margin",

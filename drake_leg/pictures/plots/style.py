@@ -37,6 +37,7 @@ LINES = (
     *zip(COLOURS, (SPARSE, LONG, "-", "--"), strict=True),
 )
 
+DPI = 150
 STYLE: dict[Any, Any] = {
     "font.size": 10.0,
     "text.color": INK,
@@ -57,7 +58,8 @@ STYLE: dict[Any, Any] = {
     "figure.facecolor": "white",
     "figure.autolayout": False,
     "figure.constrained_layout.use": False,
-    "savefig.dpi": 150,
+    "figure.dpi": DPI,  # as of its PNG: what is measured for the layout is measured for both
+    "savefig.dpi": DPI,
     "svg.fonttype": "path",
     "svg.hashsalt": "drake-leg",
 }
