@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drake_leg.cli.mechanisms import mechanism_in_3d, places_of, taken_from
-from drake_leg.cli.model_files import opened, replacements_in
+from drake_leg.cli.mechanisms import mechanism_in_3d, places_of
 from drake_leg.cli.terminal import as_options, place_given_by
 from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.files import check_file, write_text
@@ -68,29 +67,13 @@ def write_page(
     _write(chosen, page)
 
 
-def write_page_of_lacks(chosen: argparse.Namespace, error: InvalidValueError) -> bool:
-    """Write the page of a model that does not run; tell whether it can be read at all.
-
-    Its values come from the scripts that a person would run, if nothing else gives them.
-    """
-    from drake_leg.simulink.running.replacing import replaced
-    from drake_leg.simulink.suggestions import with_scripts
-
-    path = Path(chosen.name)
-
-    def read(init: Sequence[Path] = ()) -> Model:
-        return replaced(opened(path, chosen, init), replacements_in(chosen.replace))
-
-    try:
-        model = read()
-    except DrakeLegError:
-        return False
-    said: list[str] = []
-    if not chosen.init:
-        model, used = with_scripts(model, read)
-        said = taken_from(used)
+def write_page_of_lacks(
+    chosen: argparse.Namespace, error: InvalidValueError, model: Model, said: Sequence[str]
+) -> None:
+    """Write the page of a model that does not run; ``said`` tells which scripts gave it values."""
     from drake_leg.pictures.model_page import model_page
 
+    path = Path(chosen.name)
     mechanism, still, notes = _mechanism(model, path, chosen)
     page = model_page(
         model,
@@ -101,7 +84,6 @@ def write_page_of_lacks(chosen: argparse.Namespace, error: InvalidValueError) ->
         notes=[*said, *notes],
     )
     _write(chosen, page)
-    return True
 
 
 def _write(chosen: argparse.Namespace, page: str) -> None:

@@ -60,10 +60,12 @@ def run_model_file(chosen: argparse.Namespace) -> int:
     check_page(chosen)
     if formats or chosen.page is not None:
         require_matplotlib()
+    read: list[tuple[Model, list[str]]] = []
     try:
-        model, ready, said = runnable_file(Path(chosen.name), chosen, duration=duration)
+        model, ready, said = runnable_file(Path(chosen.name), chosen, duration=duration, read=read)
     except InvalidValueError as error:
-        _page_of_lacks(chosen, error)
+        if read and chosen.page is not None:
+            _page_of_lacks(chosen, error, *read[-1])
         raise
     _require_mechanism(chosen, ready)
     require_meant(chosen, ready)
@@ -96,14 +98,14 @@ def run_model_file(chosen: argparse.Namespace) -> int:
     return _status(run, ready, folder, pictures)
 
 
-def _page_of_lacks(chosen: argparse.Namespace, error: InvalidValueError) -> None:
-    """Write the page of a model that does not run, if one is wanted."""
-    if chosen.page is None:
-        return
+def _page_of_lacks(
+    chosen: argparse.Namespace, error: InvalidValueError, model: Model, said: Sequence[str]
+) -> None:
+    """Write the page of a model that does not run."""
     pictures = Pictures()
     with at_work(chosen.name, "the page"), pictures.trying(f"the page {chosen.page}"):
-        if write_page_of_lacks(chosen, error):
-            print(f"wrote {chosen.page}")
+        write_page_of_lacks(chosen, error, model, said)
+        print(f"wrote {chosen.page}")
     pictures.print_failures()
 
 
@@ -129,11 +131,16 @@ def positive(chosen: argparse.Namespace, name: str) -> float | None:
 
 
 def runnable_file(
-    path: Path, chosen: argparse.Namespace, *, duration: float | None
+    path: Path,
+    chosen: argparse.Namespace,
+    *,
+    duration: float | None,
+    read: list[tuple[Model, list[str]]] | None = None,
 ) -> tuple[Model, Runnable, list[str]]:
     """Open a model with its options, and make it ready to run; say which scripts gave it values.
 
     Where values are missing and no script was named, those are taken that a person would run.
+    What was read is added to ``read``, also of a model that does not run.
     """
     from drake_leg.simulink.running.replacing import replaced
     from drake_leg.simulink.running.running import runnable
@@ -142,24 +149,27 @@ def runnable_file(
     replacements = replacements_in(chosen.replace)
     contact: Contact = chosen.contact or "smooth"
 
-    def read(init: Sequence[Path] = ()) -> Model:
+    def with_init(init: Sequence[Path] = ()) -> Model:
         return replaced(opened(path, chosen, init), replacements)
 
     solves = chosen.solve_loops or None  # else as the file says
 
-    def ready_to_run(model: Model) -> Runnable:
+    def ready_to_run(model: Model, said: list[str]) -> Runnable:
+        if read is not None:
+            read.append((model, said))
         return runnable(model, duration=duration, contact=contact, solve_loops=solves)
 
     with about(path), at_work(chosen.name, "the model is read"):
-        model = read()
+        model = with_init()
         said: list[str] = []
         try:
-            ready = ready_to_run(model)
+            ready = ready_to_run(model, said)
         except InvalidValueError:
             if chosen.init:
                 raise
-            model, used = with_scripts(model, read, _lacks)
-            ready, said = ready_to_run(model), taken_from(used)
+            model, used = with_scripts(model, with_init, _lacks)
+            said = taken_from(used)
+            ready = ready_to_run(model, said)
     mechanism = ready.diagram.mechanism
     return model, ready, [*said, *(found_alone(mechanism.only) if mechanism else ())]
 
