@@ -373,11 +373,11 @@ def earlier(history: tuple[Any, ...], t: float, start: Signal) -> Signal:
 
 
 def table_2d(
-    a: float, b: float, rows: Array, columns: Array, table: Array, *, beyond: str
+    a: float, b: float, rows: Array, columns: Array, table: Array, *, beyond: str, method: str
 ) -> float:
     """Look a number up in a table of two dimensions."""
-    across = [table_1d(b, columns, row, beyond=beyond, method="linear") for row in table]
-    return table_1d(a, rows, np.array(across), beyond=beyond, method="linear")
+    across = [table_1d(b, columns, row, beyond=beyond, method=method) for row in table]
+    return table_1d(a, rows, np.array(across), beyond=beyond, method=method)
 
 
 def pulses(t: float, amplitude: Signal, period: Signal, width: Signal, delay: Signal) -> Signal:

@@ -137,6 +137,18 @@ CASES = [
         1.5,
     ),
     (
+        "Lookup_n-D",
+        {
+            "InputPortMap": "u0,u1",
+            "BreakpointsForDimension1": "[0 1]",
+            "BreakpointsForDimension2": "[0 2]",
+            "Table": "[0 2;1 3]",
+            "InterpMethod": "Nearest",
+        },
+        ["0.6", "0.9"],
+        1.0,
+    ),
+    (
         "robotcorelib/Coordinate Transformation Conversion",
         {"InputRepresentation": "Euler Angles", "OutputRepresentation": "Quaternion"},
         ["[pi/2 0 0]"],

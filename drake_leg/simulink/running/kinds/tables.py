@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from drake_leg.simulink.running.code import Call, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
 
 FROM_PORT = "Input port"
+_OF_A_TABLE = re.compile(r"\bu\d")  # inputs that are looked up, in the map of a block's ports
 
 
 @kind("Lookup_n-D", "Lookup", "PS Lookup Table (1D)")
 def lookup(w: Writer) -> None:
     """Look a number up: lines between points, in one dimension or two."""
     s = w.settings
-    dimensions = int(s.number("NumberOfTableDimensions", "1"))
+    inputs = len(_OF_A_TABLE.findall(s.text("InputPortMap")))  # which tells what the file omits
+    dimensions = int(s.number("NumberOfTableDimensions", f"{max(inputs, 1)}"))
     if w.node.block.type == "Lookup":
         points, values = s.numbers("InputValues", "[-5:5]"), s.numbers("Table", "tanh([-5:5])")
         method, beyond = s.text("LookUpMeth", "Interpolation-Extrapolation"), ""
@@ -38,8 +42,8 @@ def lookup(w: Writer) -> None:
     table = s.matrix("Table", "[0 1]")
     if dimensions == 1:
         _one(w, points, table.ravel(order="F"), beyond, method)
-    elif dimensions == 2 and method == "linear":
-        _two(w, points, _points(w, 2), table, beyond)
+    elif dimensions == 2 and method != "spline":
+        _two(w, points, _points(w, 2), table, beyond, method)
     elif dimensions == 2:
         raise w.fault(f"looks up in two dimensions by {s.text('InterpMethod')!r}: choose 'Linear'")
     else:
@@ -157,11 +161,18 @@ def _one(w: Writer, points: np.ndarray, values: np.ndarray, beyond: str, method:
         w.out(f"array([{call.format('each')} for each in flat({u.code})]).reshape({u.shape})")
 
 
-def _two(w: Writer, rows: np.ndarray, columns: np.ndarray, table: np.ndarray, beyond: str) -> None:
+def _two(
+    w: Writer,
+    rows: np.ndarray,
+    columns: np.ndarray,
+    table: np.ndarray,
+    beyond: str,
+    method: str = "linear",
+) -> None:
     if table.shape != (len(rows), len(columns)):
         raise w.fault(f"has a table of {table.shape} for {len(rows)} rows, {len(columns)} columns")
     r, c = w.constant(rows, "rows"), w.constant(columns, "columns")
     w.out(
         f"table_2d({w.input(0).code}, {w.input(1).code}, {r}, {c}, {w.constant(table, 'table')}, "
-        f"beyond='{beyond}')"
+        f"beyond='{beyond}', method='{method}')"
     )
