@@ -637,6 +637,9 @@ LIBRARIES: dict[str, dict[str, Parameters]] = {
     "cstblocks": {"LTI System": choices(sys="tf(1,[1 1])", IC="[]")},
     "robotcorelib": _ROBOTICS,
     "robotlib": _ROBOTICS,
+    "SignalEditorBlockLib": {
+        "Signal Editor": choices(FileName="untitled.mat", ActiveScenario="Scenario"),
+    },
     "dspsrcs4": _DSP,
     "pid_lib": {name: _SIMULINK[name] for name in ("PID Controller", "PID Controller (2DOF)")},
     "sm_lib": MULTIBODY,

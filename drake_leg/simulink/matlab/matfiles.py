@@ -31,16 +31,8 @@ def read_mat(path: Path) -> dict[str, Any]:
         If it is none, is damaged or larger than the limits; or if it is of version 7.3 and h5py is
         not installed.
     """
-    try:
-        if path.stat().st_size > MAT_BYTES:
-            raise LackError(f"{path.name} is larger than {MAT_BYTES:,} bytes")
-        content = path.read_bytes()
-    except OSError as error:
-        raise LackError(f"{path.name} cannot be read: {error.strerror}") from None
-    if content.startswith(_HDF5):
+    if require_readable(path).startswith(_HDF5):
         return read_hdf5(path)
-    if content.startswith(b"MATLAB 5"):
-        _require_small(content, path.name)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -52,6 +44,25 @@ def read_mat(path: Path) -> dict[str, Any]:
         name: _value(value, objects) for name, value in found.items() if not name.startswith("__")
     }
     return {name: value for name, value in made.items() if value is not None}
+
+
+def require_readable(path: Path) -> bytes:
+    """Read a .mat file as it is, if it is not too large, packed or unpacked.
+
+    Raises
+    ------
+    LackError
+        If it is, or cannot be read.
+    """
+    try:
+        if path.stat().st_size > MAT_BYTES:
+            raise LackError(f"{path.name} is larger than {MAT_BYTES:,} bytes")
+        content = path.read_bytes()
+    except OSError as error:
+        raise LackError(f"{path.name} cannot be read: {error.strerror}") from None
+    if content.startswith(b"MATLAB 5"):
+        _require_small(content, path.name)
+    return content
 
 
 def names_of_mat(path: Path) -> set[str]:

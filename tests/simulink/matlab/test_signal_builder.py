@@ -1,4 +1,4 @@
-"""The signals of a Signal Builder, from the objects in which files keep them."""
+"""The signals of a Signal Builder or Editor, from the objects in which files keep them."""
 
 import struct
 
@@ -8,6 +8,7 @@ from packed_data import MARK, double, element, matrix, octets, opaque, structure
 from rigs import Rig, shown
 from slx_writer import write_parts
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab.data import LackError
 from drake_leg.simulink.matlab.signal_builder import built_signals, text_of_signals
 from drake_leg.simulink.reader import read_model
@@ -88,3 +89,61 @@ def test_a_signal_builder_puts_out_its_signals(tmp_path):
     run = run_model(runnable(read_model(path), duration=1.0))
     np.testing.assert_allclose(shown(run, "y")[:, 0], np.where(run.time < 0.4, 0.0, 2.0))
     np.testing.assert_allclose(shown(run, "y")[:, 1], 1.0 + 2.0 * run.time)
+
+
+def column(*values):
+    return matrix(6, (len(values), 1), element(9, struct.pack(f"<{len(values)}d", *values)))
+
+
+def scenario_file(path, *, name=b"Scenario"):
+    """A data set of two series, the times of the second one even."""
+    held = matrix(17, (), element(1, b"MCOS"), element(1, b"Simulink.SimulationData.Dataset"),
+                  words(0xDD000000, 2, 1, 1, 5, 1), name=name)  # fmt: skip
+    made = objects(
+        {"Data_": column(0.0, 4.0, 2.0), "TimeInfo": references(2)},
+        {"Time_": column(0.0, 0.4, 0.8), "Length": double(3.0)},
+        {"Data_": column(1.0, 3.0), "TimeInfo": references(4)},
+        {"Start_": double(0.0), "Increment_": double(0.5), "Length": double(2.0)},
+        {"Name": octets(b"set")},
+    )
+    head = b"MATLAB 5.0 MAT-file".ljust(116) + struct.pack("<Q", 128 + len(held)) + b"\x00\x01IM"
+    path.write_bytes(head + held + made)
+
+
+def edited(folder, **settings):
+    rig = Rig()
+    editor = rig.add_library("SignalEditorBlockLib/Signal Editor", "edit", {
+        "FileName": "s.mat", "ActiveScenario": "Scenario", "ApplySigPropsToAllSignals": "on",
+        **settings,
+    }, ports={"out": 2})  # fmt: skip
+    for place, name in enumerate("ab", 1):
+        rig.show(f"{editor}#out:{place}", name)
+    return rig.run(folder, 1.0)
+
+
+def test_a_signal_editor_puts_out_its_scenario(tmp_path):
+    scenario_file(tmp_path / "s.mat")
+    run = edited(tmp_path)
+    t = run.time
+    np.testing.assert_allclose(shown(run, "a"), np.select([t < 0.4, t < 0.8, t <= 0.8], [0, 4, 2]))
+    np.testing.assert_allclose(shown(run, "b"), np.select([t < 0.5, t <= 0.5], [1.0, 3.0]))
+    run = edited(tmp_path, Interpolate="on", OutputAfterFinalValue="Holding final value")
+    np.testing.assert_allclose(shown(run, "a"), np.interp(t, [0.0, 0.4, 0.8], [0.0, 4.0, 2.0]))
+    run = edited(tmp_path, Interpolate="on", OutputAfterFinalValue="Extrapolation")
+    np.testing.assert_allclose(shown(run, "b"), 1.0 + 4.0 * t)
+
+
+@pytest.mark.parametrize(
+    ("settings", "why"),
+    [
+        ({"FileName": "none.mat"}, "not in the given folders"),
+        ({"ActiveScenario": "Other"}, "holds the scenario 'Scenario', not 'Other'"),
+        ({"ApplySigPropsToAllSignals": "off"}, "settings for each signal"),
+        ({"FileName": "bad.mat"}, "cannot be read"),
+    ],
+)
+def test_a_signal_editor_that_cannot_be_read_is_refused(tmp_path, settings, why):
+    scenario_file(tmp_path / "s.mat")
+    (tmp_path / "bad.mat").write_bytes(b"MATLAB 5.0 MAT-file")
+    with pytest.raises(InvalidValueError, match=why):
+        edited(tmp_path, **settings)

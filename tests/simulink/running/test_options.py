@@ -16,6 +16,7 @@ LIBRARIES = {
     "Discrete PID Controller": "simulink/Discrete/Discrete PID Controller",
     "Moving Average": "dspstat3/Moving Average",
     "Random Source": "dspsrcs4/Random Source",
+    "Signal Editor": "SignalEditorBlockLib/Signal Editor",
     "Sine Wave": "dspsrcs4/Sine Wave",
 }
 

@@ -45,6 +45,7 @@ USUAL: Mapping[str, Usual] = {
         "ShowEnablePort": ("off",),
     },
     "Random Source": {"OutComplex": ("Real",), "SampFrame": ("1",), "SampMode": ("Discrete",)},
+    "Signal Editor": {"IsBus": ("off",)},
     "Sine Wave": {"OutComplex": ("Real",), "SampleMode": ("Discrete",), "SamplesPerFrame": ("1",)},
     "TransportDelay": {"TransDelayFeedthrough": ("off",)},
     "VariableTransportDelay": {"VariableDelayType": ("Variable time delay",)},

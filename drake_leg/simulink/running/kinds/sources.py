@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from drake_leg.simulink.matlab.data import LackError
+from drake_leg.simulink.matlab.scenarios import scenario
 from drake_leg.simulink.running.code import Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.options import sample_time
@@ -297,9 +299,7 @@ def from_workspace(w: Writer) -> None:
 
     Inside a Signal Builder, put out its signals.
     """
-    between = "lines" if w.settings.text("Interpolate", "on") == "on" else "steps"
-    end = w.settings.text("OutputAfterFinalValue", "Extrapolation")
-    after = {"Setting to zero": "zero", "Holding final value": "hold"}.get(end, between)
+    between, after = _rules(w, "on", "Extrapolation")
     if not w.settings.has("SigBuilderData"):
         given = w.settings.value("VariableName", "simin")
         w.out(_table_over_time(w, given, between, after))
@@ -311,6 +311,13 @@ def from_workspace(w: Writer) -> None:
     w.out(codes[0] if len(codes) == 1 else f"array([{', '.join(codes)}])")
 
 
+def _rules(w: Writer, interpolates: str, usual_end: str) -> tuple[str, str]:
+    """Return how values go on between the times of a table, and after the last."""
+    between = "lines" if w.settings.text("Interpolate", interpolates) == "on" else "steps"
+    end = w.settings.text("OutputAfterFinalValue", usual_end)
+    return between, {"Setting to zero": "zero", "Holding final value": "hold"}.get(end, between)
+
+
 def _table_over_time(w: Writer, given: object, between: str, after: str) -> str:
     times, values, shape = workspace_table(w, given)
     if after != between:
@@ -318,6 +325,28 @@ def _table_over_time(w: Writer, given: object, between: str, after: str) -> str:
     table = f"{w.constant(times, 'times')}, {w.constant(values, 'values')}"
     found = f"over_time(t, {table}, '{between}', '{after}')"
     return f"{found}.reshape({shape}, order='F')" if len(shape) == 2 else found
+
+
+@kind("Signal Editor")
+def signal_editor(w: Writer) -> None:
+    """Put out the signals of a scenario in a file."""
+    get = w.settings.text
+    name = get("FileName", "untitled.mat").strip("'")
+    path = None if w.pen.folders is None else w.pen.folders.within(name)
+    if path is None or not path.is_file():
+        raise w.fault(f"reads {name!r}, which is not in the given folders: give the one it is in")
+    try:
+        tables = scenario(path, get("ActiveScenario", "Scenario"))
+    except LackError as error:
+        raise w.fault(f"reads a file: {error}") from None
+    if len(tables) != len(w.node.outputs):
+        raise w.fault(f"has {len(w.node.outputs)} outputs for {len(tables)} signals of {name!r}")
+    if len(tables) > 1 and get("ApplySigPropsToAllSignals", "off") != "on":
+        raise w.fault("has settings for each signal, which are not read: apply them to all")
+    between, after = _rules(w, "off", "Setting to zero")
+    for place, table in enumerate(tables):
+        w.pen.breaks |= set(table[:, 0].tolist())
+        w.out(_table_over_time(w, table, between, after), place)
 
 
 def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
