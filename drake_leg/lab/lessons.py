@@ -65,6 +65,8 @@ def check(
     if fault:
         print(f"Not yet: {fault}. {hint}")
         return
+    if count == 1 and isinstance(answer, list | tuple):
+        (answer,) = answer
     try:
         right = bool(holds(answer))
     except (DrakeLegError, TypeError, ValueError, LookupError) as error:
@@ -110,7 +112,10 @@ def _fault(answer: object, count: int | None) -> str | None:
         return None if isinstance(answer, str) else "the answer is a text between quotation marks"
     wanted = "one number" if count == 1 else f"{count} numbers, such as {(0,) * count}"
     try:
-        values = np.atleast_1d(np.asarray(answer, dtype=float))
+        values = np.atleast_1d(np.asarray(answer))
+        if values.dtype.kind == "U":  # numbers between quotation marks
+            return f"the answer is {wanted}"
+        values = values.astype(float)
     except (TypeError, ValueError):
         return f"the answer is {wanted}"
     if values.shape != (count,) or not np.isfinite(values).all():

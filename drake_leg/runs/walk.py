@@ -162,7 +162,7 @@ def _of_foresight(foreseen: tuple[WalkForesight, ...]) -> dict[str, Any]:
     known = [margin.value for margin in margins if margin is not None]
     return {
         "foreseen": next((part.refusal for part in foreseen if part.refusal), None),
-        "planned_static_margin_m": min(known) if len(known) == len(margins) else None,
+        "planned_static_margin_m": _finite(min(known)) if len(known) == len(margins) else None,
     }
 
 

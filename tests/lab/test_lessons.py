@@ -14,7 +14,12 @@ def is_two(answer):
 
 @pytest.mark.parametrize(
     ("answer", "said"),
-    [(None, "Replace None with your answer"), (2, "Right.\n"), (3, "Not yet. One and one.\n")],
+    [
+        (None, "Replace None with your answer"),
+        (2, "Right.\n"),
+        ([2], "Right.\n"),
+        (3, "Not yet. One and one.\n"),
+    ],
 )
 def test_an_answer_is_missing_right_or_wrong(capsys, answer, said):
     check(answer, is_two, "One and one.")
@@ -30,7 +35,9 @@ def test_an_answer_that_makes_no_sense_is_told_why(capsys, error):
     assert capsys.readouterr().out == "Not yet: it must be even. One and one.\n"
 
 
-@pytest.mark.parametrize("answer", ["two", (2, 2), [], math.nan, math.inf, object(), {"a": 1}])
+@pytest.mark.parametrize(
+    "answer", ["two", "2", ["2"], (2, 2), [], math.nan, math.inf, object(), {"a": 1}]
+)
 def test_what_is_no_number_is_told_so(capsys, answer):
     check(answer, is_two, "One and one.")
     assert capsys.readouterr().out == "Not yet: the answer is one number. One and one.\n"

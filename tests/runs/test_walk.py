@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pytest
 
@@ -180,6 +182,14 @@ def test_a_walk_that_the_robot_cannot_make_is_refused(options, said):
 def test_the_planned_margin_is_known_before(forward):
     assert forward.summary["planned_static_margin_m"] == pytest.approx(0.078, abs=2e-3)
     assert forward.summary["foreseen"] is None
+
+
+@pytest.mark.slow
+def test_a_gait_that_flies_has_no_planned_margin():
+    flying = run("hexapod", gait="own", phases=[0, 0.5, 0, 0.5, 0, 0.5], duty=0.45,
+                 dynamic=True, duration=1.5)  # fmt: skip
+    assert flying.summary["planned_static_margin_m"] is None
+    json.dumps(flying.summary, allow_nan=False)
 
 
 @pytest.mark.parametrize("options", [{"payload": 0.4}, {"feed_forward": "none"}])

@@ -32,7 +32,9 @@ FADING = (
     0.05  # [s], in which a foot takes its load after a touch-down, and yields it before lift-off
 )
 FEEBLE = 1e-9  # of a foot's weight, that of one that has just touched down: all may do so at once
-OUTWARDS = 0.25  # of the friction that a slope leaves, with which feet press outwards
+OUTWARDS = (
+    0.125  # of the friction that a slope leaves; with a quarter, feet of a wave slip as they land
+)
 MOST_FRICTION = 1.0  # that counts: much more would load the ankles more than it spares the knees
 FLAT = (
     1e-12  # of the feet's extent cubed: below it they are on a line, and carry no moment about it

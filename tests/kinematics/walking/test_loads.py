@@ -227,12 +227,12 @@ def test_feet_that_press_outwards_spare_the_knees(robot):
 
 def test_a_slope_leaves_less_friction_to_press_outwards_with():
     level = outwards_on(Ground())
-    assert level == pytest.approx(0.25 * 0.8)
+    assert level == pytest.approx(0.125 * 0.8)
     assert outwards_on(Ground(slope=math.radians(10.0))) == pytest.approx(
-        level - 0.25 * math.tan(math.radians(10.0))
+        level - 0.125 * math.tan(math.radians(10.0))
     )
     assert outwards_on(Ground(friction=0.1, slope=math.radians(10.0))) == 0.0
-    assert outwards_on(Ground(friction=9.0)) == 0.25
+    assert outwards_on(Ground(friction=9.0)) == 0.125
 
 
 def test_two_feet_carry_no_moment_about_their_line_and_none_carry_nothing():
