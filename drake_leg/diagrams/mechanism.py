@@ -23,14 +23,13 @@ from drake_leg.diagrams.disturbance import (
     with_torque_limit,
 )
 from drake_leg.diagrams.wiring import all_blocks, plant_of
-from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
 from drake_leg.robot.joint_mechanics import initial_state
 from drake_leg.robot.robot import Robot
 from drake_leg.systems.frame_sensor import FrameSensor
 from drake_leg.systems.input_filter import InputFilter
 from drake_leg.systems.joint_stops import JointStops
-from drake_leg.systems.prescribed_motion import STIFFNESS, PrescribedMotion
+from drake_leg.systems.prescribed_motion import STIFFNESS, PrescribedMotion, require_actuators
 
 MOTION = "Prescribed Motion"
 SENSOR = "6-DOF Joint"
@@ -98,7 +97,7 @@ def add_mechanism(
     # Wires: the torque, and what disturbs.
     torque = motion.GetOutputPort("torque")
     if disturbance.torque_limit is not None:
-        _require_actuators(robot, plant)
+        require_actuators(plant, "a torque limit")
         torque = with_torque_limit(builder, disturbance.torque_limit, torque)
     if disturbance.push is not None:
         add_push(builder, plant, foot_frame, disturbance.push)
@@ -121,15 +120,6 @@ def add_mechanism(
         torque=torque,
         is_disturbed=disturbance.acts,
     )
-
-
-def _require_actuators(robot: Robot, plant: MultibodyPlant) -> None:
-    """Require an actuator at every joint, for a torque limit."""
-    if plant.num_actuators() != plant.num_velocities():
-        raise InvalidValueError(
-            f"{robot.name!r} has {plant.num_actuators()} actuators for its "
-            f"{plant.num_velocities()} joints; a torque limit needs one at every joint"
-        )
 
 
 def _connect_stops(

@@ -286,6 +286,11 @@ class Robot:
         return tuple(s for s in self.segments if s.row.joint != "fixed" and s.link is not None)
 
     @property
+    def is_actuated(self) -> bool:
+        """Whether every joint has an actuator."""
+        return all(segment.mechanics.actuated for segment in self.moving)
+
+    @property
     def antecedents(self) -> tuple[int, ...]:
         """The antecedent of every row, counted from 1; 0 is the base."""
         return antecedents(self.rows)

@@ -92,11 +92,12 @@ def _is_smooth(config: Config) -> bool:
     leg = config if isinstance(config, HexabotLegConfig) else None
     if leg and (leg.filter_time_constant is not None or leg.feedback != "sensed"):
         return False
-    mechanics = [segment.mechanics for segment in config.robot.moving]
+    moving = config.robot.moving
     return (
         config.control.inverse.is_exact
-        and len(mechanics) == len(config.start) + (leg is None)
-        and all(acting.actuated and not acting.stops for acting in mechanics)
+        and len(moving) == len(config.start) + (leg is None)
+        and config.robot.is_actuated
+        and not any(segment.mechanics.stops for segment in moving)
     )
 
 

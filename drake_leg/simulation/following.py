@@ -114,7 +114,7 @@ def follow_below_limit(
     disturbance = config.disturbance
     if disturbance.torque_limit is None or replace(disturbance, torque_limit=None) != UNDISTURBED:
         return None
-    if not all(segment.mechanics.actuated for segment in config.robot.moving):
+    if not config.robot.is_actuated:
         return None
     run, taken = follow(config, duration, stepping)
     if run.stop_reason == INTERRUPTED:

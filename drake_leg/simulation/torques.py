@@ -13,7 +13,7 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.models.plant import build_plant
 from drake_leg.robot.robot import Robot
 from drake_leg.simulation.run import Run
-from drake_leg.systems.prescribed_motion import require_actuators
+from drake_leg.systems.prescribed_motion import A_MOTION, require_actuators
 
 
 def torques_along(robot: Robot, gravity: float, run: Run) -> Array:
@@ -70,7 +70,7 @@ def kept_plant(robot: Robot, gravity: float) -> MultibodyPlant:
 def _new_plant(robot: Robot, gravity: float) -> MultibodyPlant:
     plant = build_plant(robot, gravity=gravity)
     if not any(segment.mechanics.stops for segment in robot.moving):
-        require_actuators(plant)
+        require_actuators(plant, A_MOTION)
     return plant
 
 

@@ -24,6 +24,7 @@ from drake_leg.units import require_non_negative
 # not to stiffen the loop, so that steps of 40 ms stay accurate.
 STIFFNESS = 4.0  # [1/s^2]
 
+A_MOTION = "a prescribed motion"  # needs actuators
 OTHER_FORCES = ("actuation", "applied_generalized_force", "applied_spatial_force", "contact_force")
 
 
@@ -103,7 +104,7 @@ class PrescribedMotion(Diagram):
         self._plant = plant
         self._believed = plant if believed is None else believed
         if joints is None:
-            require_actuators(plant)
+            require_actuators(plant, A_MOTION, advice="or name the joints that follow it")
             n = plant.num_velocities()
             driven_q, driven_v = np.arange(n), np.arange(n)
         else:
@@ -230,12 +231,12 @@ class PrescribedMotion(Diagram):
             builder.ExportOutput(dynamics.GetOutputPort(name), name)
 
 
-def require_actuators(plant: MultibodyPlant) -> None:
-    """Require an actuator at every joint, for a motion that drives them all."""
+def require_actuators(plant: MultibodyPlant, what: str, advice: str = "") -> None:
+    """Require an actuator at every joint, which ``what`` needs."""
     n = plant.num_velocities()
     if not plant.num_actuators() == plant.num_positions() == n:
         raise InvalidValueError(
             f"{plant.get_name()!r} has {plant.num_positions()} joint positions and "
-            f"{plant.num_actuators()} actuators; every joint needs one to follow a prescribed "
-            "motion, or name the joints that follow one"
+            f"{plant.num_actuators()} actuators; {what} needs one at every joint",
+            advice=advice,
         )
