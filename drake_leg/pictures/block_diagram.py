@@ -26,7 +26,6 @@ from drake_leg.colours import Background
 from drake_leg.diagrams.wiring import LiveWire, plant_of, wires
 from drake_leg.pictures.drawing import Drawing, draw
 from drake_leg.pictures.mechanical import SIGNAL_WIDTH, link_picture, mechanism_picture, values_text
-from drake_leg.pictures.of_simulink import model_pictures
 from drake_leg.pictures.svg import (
     ALL,
     MECHANISM,
@@ -191,6 +190,8 @@ def block_diagram(
     True
     """
     if isinstance(diagram, Model):
+        from drake_leg.pictures.of_simulink import model_pictures  # slow to load
+
         drawn = model_pictures(diagram, title=title or printable(diagram.name), part=part or ALL)
         return draw(*drawn, background=background)
     heading = title or diagram.get_name() or _plant_name(diagram) or "diagram"

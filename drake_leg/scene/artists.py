@@ -221,9 +221,20 @@ class NoRenderingError(DrakeLegError):
         )
 
 
+_TOLD: list[str | None] = []  # the result of a trial that another process has made
+
+
+def tell_rendering(fault: str | None) -> None:
+    """Spare this process the trial, whose result another process knows."""
+    _TOLD[:] = [fault]
+    rendering_fault.cache_clear()
+
+
 @cache
 def rendering_fault() -> str | None:
     """Try VTK in another process; return what went wrong, in one line, or None."""
+    if _TOLD:
+        return _TOLD[0]
     command = [sys.executable, "-c", TRIAL]
     try:
         trial = subprocess.run(

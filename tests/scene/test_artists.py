@@ -81,6 +81,15 @@ def test_the_reason_is_the_last_line_that_the_trial_leaves(monkeypatch):
     assert artists.rendering_fault.__wrapped__() == "exit status 7"
 
 
+def test_a_process_that_is_told_tries_nothing(monkeypatch):
+    monkeypatch.setattr(artists, "TRIAL", "raise SystemExit(7)")
+    monkeypatch.setattr(artists, "_TOLD", [])
+    artists.tell_rendering("no light")
+    assert artists.rendering_fault() == "no light"
+    monkeypatch.undo()
+    artists.rendering_fault.cache_clear()
+
+
 def test_a_trial_that_hangs_is_given_up(monkeypatch):
     monkeypatch.setattr(artists, "TRIAL", "import time; time.sleep(60)")
     monkeypatch.setattr(artists, "PATIENCE", 0.2)

@@ -32,6 +32,7 @@ from drake_leg.lab.page.walking import tilt
 from drake_leg.lab.page.workers import Workers, workers_here, working
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
+from drake_leg.scene.artists import rendering_fault, tell_rendering
 from drake_leg.singularity.families import LegFamilies
 from drake_leg.singularity.stroke import closed_stroke
 
@@ -208,14 +209,16 @@ def _made_here(
 
 def _made_by(pool: Workers, folder: Path) -> Iterator[Stage]:
     """Let workers simulate and draw, while this process does the mathematics."""
+    trial = pool.submit(rendering_fault)  # by one process for all
     waiting: dict[Future[Any], str | Item] = {pool.submit(_outcome_of, key): key for key in RUNS}
     here = ItemMaker(folder=folder, outcomes={})
     for item in ITEMS:
-        if item.kind in ALONE:
-            waiting[pool.submit(here.make, item)] = item
-    for item in ITEMS:
         if item.kind not in (*OF_RUNS, *ALONE):
             yield item, here.make(item)
+    fault = trial.result()
+    for item in ITEMS:
+        if item.kind in ALONE:
+            waiting[pool.submit(_made, here, item, fault)] = item
     while waiting:
         for future in wait(waiting, return_when=FIRST_COMPLETED).done:
             what, result = waiting.pop(future), future.result()
@@ -223,8 +226,14 @@ def _made_by(pool: Workers, folder: Path) -> Iterator[Stage]:
                 maker = ItemMaker(folder=folder, outcomes={what: result})
                 for item in ITEMS:
                     if item.kind in OF_RUNS and item.subject == what:
-                        waiting[pool.submit(maker.make, item)] = item
+                        waiting[pool.submit(_made, maker, item, fault)] = item
             yield what, result
+
+
+def _made(maker: ItemMaker, item: Item, fault: str | None) -> ShownItem | PictureError:
+    """Make an item, where a process has found out whether VTK renders."""
+    tell_rendering(fault)
+    return maker.make(item)
 
 
 def _outcome_of(key: str) -> Outcome:
