@@ -55,7 +55,7 @@ def test_a_circuit_of_three_swings(tmp_path):
     inductor(made, "L", "b", "c", str(L))
     capacitor(made, "C", "c", "0", str(C))
     made.voltage("c", "0", "held")
-    run = made.run(tmp_path)
+    run = made.run(tmp_path, 0.4)
     damped, w0 = R / 2.0 / L, 1.0 / np.sqrt(L * C)
     w = np.sqrt(w0**2 - damped**2)
     swing = np.cos(w * run.time) + damped / w * np.sin(w * run.time)

@@ -88,6 +88,7 @@ def test_a_block_sticks_until_its_friction_breaks_away(tmp_path):
     assert shown(run, "speed")[-1] > 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["1", "2", "3"])
 def test_a_block_bounces_between_stops(tmp_path, model):
     made = rested(SLIDING)
@@ -145,6 +146,7 @@ def motor_as_one(made):
               J="2", J_unit="kg*cm^2", lam="0")  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motor", [motor_of_parts, motor_as_one])
 def test_a_motor_with_a_gear_and_a_load_starts(tmp_path, motor):
     """L i' = 12 - R i - K w, (J + Jl / N^2) w' = K i - (D / N^2) w."""
@@ -265,6 +267,7 @@ def driven(made, torque, **texts):
     made.shows(f"{sid}#rconn:2", "speed")
 
 
+@pytest.mark.slow
 def test_a_drive_follows_a_torque_and_draws_its_power(tmp_path):
     """Tc T' = limited(2) - T, J w' = T - lam w; (24 - R i) i = T w + losses."""
     made = Circuit()
@@ -272,7 +275,7 @@ def test_a_drive_follows_a_torque_and_draws_its_power(tmp_path):
     made.two("ee_lib/Sources/", "Battery", "battery", "a", "0", Vnom="24", R1="0.4", prm_AH="1")
     made.current("a", "p", "current")
     driven(made, "2")
-    run = made.run(tmp_path)
+    run = made.run(tmp_path, 0.3)
 
     def rate(_, state):
         torque, w = state

@@ -90,7 +90,7 @@ def test_a_geared_rotor_swings_with_a_pendulum(tmp_path):
     made, joint = pendulum()
     shorted_motor(made)
     interface(made, joint)
-    run = made.run(tmp_path)
+    run = made.run(tmp_path, 0.3)
     expected = swung(run.time, ROD + 36.0 * 3e-3, 36.0 * 0.01 / 2.0)
     np.testing.assert_allclose(shown(run, "angle"), expected, atol=1e-7)
 
@@ -109,6 +109,7 @@ def test_a_summary_tells_the_inertias_at_joints(tmp_path):
     assert any("not at rest as solver asks" in each for each in remarks_of(model, ready, run))
 
 
+@pytest.mark.slow
 def test_a_geared_rotor_is_that_of_a_joint_actuator_of_drakes(tmp_path):
     made, joint = pendulum()
     shorted_motor(made)
@@ -135,6 +136,7 @@ def test_a_geared_rotor_is_that_of_a_joint_actuator_of_drakes(tmp_path):
     assert shown(run, "angle")[-1] == pytest.approx(pivot.get_angle(context), abs=1e-7)
 
 
+@pytest.mark.slow
 def test_sensors_and_sources_make_the_same_interface(tmp_path):
     """As before there were blocks for it: the velocity moves a source, a torque sensor answers."""
     made, joint = pendulum()
@@ -152,6 +154,7 @@ def test_sensors_and_sources_make_the_same_interface(tmp_path):
     np.testing.assert_allclose(shown(run, "angle"), expected, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_torsion_spring_with_friction_holds_a_pendulum_back(tmp_path):
     """No inertia: a spring and a damper between the interface's ends."""
     made, joint = pendulum()
@@ -170,6 +173,7 @@ def test_a_torsion_spring_with_friction_holds_a_pendulum_back(tmp_path):
     np.testing.assert_allclose(shown(run, "angle"), found.y[0], atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_script_has_the_reflected_inertia(tmp_path):
     made, joint = pendulum()
     shorted_motor(made)
