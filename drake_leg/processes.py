@@ -5,8 +5,14 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from concurrent.futures import ProcessPoolExecutor
+
+# On Linux, workers are copies of a process that has loaded what most of them need, and did nothing
+# else: only the first pool of a process waits for imports.
+START = "forkserver" if sys.platform == "linux" else "spawn"
+LOADED = ("drake_leg.runs.step",)
 
 
 def cores() -> int:
@@ -16,7 +22,9 @@ def cores() -> int:
 
 def new_processes(count: int) -> ProcessPoolExecutor:
     """Start worker processes: new ones, not copies of this one."""
-    context = multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context(START)
+    if START == "forkserver":
+        context.set_forkserver_preload(list(LOADED))
     return ProcessPoolExecutor(count, mp_context=context, initializer=_prepare)
 
 
