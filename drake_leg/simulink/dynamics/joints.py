@@ -64,6 +64,7 @@ class Joints:
         self.S = np.array([axis.S for axis in self.axes]).reshape(len(self.axes), nv)
         self.number = {id(axis): index for index, axis in enumerate(self.axes)}
         self.forced: list[tuple[int, int]] = []  # axis, entry of u, of its force
+        self.felt = np.zeros(len(self.axes))  # inertias of networks at them [kg*m^2 or kg]
         self._torques: list[tuple[int, slice, tuple[int, ...], bool]] = []
         self._add_inputs(coordinates, inputs)
         self._stops = [
@@ -154,9 +155,10 @@ class Joints:
                 total += R_BF @ torque if in_follower else torque
         return total
 
-    def actuator_force(self, axis: int, u: Array) -> float:
-        """Return the force of the input of an axis [N*m or N]."""
-        return float(sum(u[entry] for index, entry in self.forced if index == axis))
+    def actuator_force(self, axis: int, u: Array, vdot: Array) -> float:
+        """Return the force of the input of an axis, and of a network's inertia [N*m or N]."""
+        given = sum(u[entry] for index, entry in self.forced if index == axis)
+        return float(given - self.felt[axis] * (self.S[axis] @ vdot))
 
     def _attempt(self, otherwise: Array, work: Callable[[Ball], Array], ball: Ball) -> Array:
         try:

@@ -61,18 +61,19 @@ def reflect(
 ) -> list[str]:
     """Add the inertias of networks to the joints that feel them; say which cannot be."""
     axes = {entry: axis for axis, entry in joints.forced}
-    problems = []
+    problems: list[str] = []
     for one in reflected:
         entries = inputs.slices.get(one.driven)
         axis = None if entries is None else axes.get(entries.start)
         actuator = None if axis is None else _actuator(plant, joints, axis)
-        if actuator is None:
+        if axis is None or actuator is None:
             problems.append(
                 f"a network adds an inertia at {one.driven}, which is no joint of one axis that "
                 "moves by itself: put an element with losses between them"
             )
             continue
-        actuator.set_default_rotor_inertia(actuator.default_rotor_inertia() + one.inertia)
+        joints.felt[axis] += one.inertia
+        actuator.set_default_rotor_inertia(float(joints.felt[axis]))
         actuator.set_default_gear_ratio(1.0)
     return problems
 

@@ -70,7 +70,7 @@ def sensed_of_axis(joints: Joints, axis: Axis, ports: Ports) -> Iterator[Quantit
     S = axis.S
 
     def effort(response: Response) -> float:
-        given = joints.actuator_force(index, response.u)
+        given = joints.actuator_force(index, response.u, response.vdot)
         return given + float(sum(response.driving[place] for place in driving))
 
     if is_on(block, f"{prefix}SensePosition"):

@@ -5,11 +5,7 @@ A force or a torque that flows from R to C pulls R and C towards each other wher
 
 from __future__ import annotations
 
-import math
-
 from drake_leg.simulink.networks.assembly import Bench, element
-
-BREAKAWAY, OF_COULOMB = math.sqrt(2.0), 10.0  # of the breakaway velocity, in the law of friction
 
 
 @element("Mechanical Translational Reference", "Mechanical Rotational Reference")

@@ -158,13 +158,21 @@ class _Reduction:
 
     def _require_target(self, state: Quantity, instead: Linear) -> None:
         """Refuse a target that contradicts those of the states it follows from."""
-        if self._states[state].priority < 2 or any(q.role == "input" for q in instead):
+        start = self._states[state].start
+        if self._states[state].priority < 2:
+            return
+        if any(q.role == "input" for q in instead):
+            if start:
+                raise InvalidValueError(
+                    f"block {self.blocks[state.owner].name!r} (SID {state.owner}) has the target "
+                    f"{start:g} for what a signal moves: clear it, as the signal says where it "
+                    "starts"
+                )
             return
         follows = sum(
             factor * (self._states[q].start if q.role == "state" else 1.0)
             for q, factor in instead.items()
         )
-        start = self._states[state].start
         if abs(follows - start) > SAME * (1.0 + abs(start)):
             raise InvalidValueError(
                 f"block {self.blocks[state.owner].name!r} (SID {state.owner}) has the target "

@@ -95,6 +95,30 @@ def test_a_geared_rotor_swings_with_a_pendulum(tmp_path):
     np.testing.assert_allclose(shown(run, "angle"), expected, atol=1e-7)
 
 
+def test_a_sensed_torque_is_what_moves_the_joint(tmp_path):
+    """It includes what the rotor takes: the rod's own inertia and gravity are left."""
+    made, joint = pendulum(SenseActuatorTorque="on", SenseAcceleration="on")
+    shorted_motor(made)
+    interface(made, joint)
+    made.shows(f"{joint}#rconn:4", "acceleration")
+    made.shows(f"{joint}#rconn:5", "torque")
+    run = made.run(tmp_path, 0.2)
+    angle, acceleration = shown(run, "angle"), shown(run, "acceleration")
+    expected = ROD * acceleration + MASS * GRAVITY * LENGTH / 2.0 * np.sin(angle)
+    np.testing.assert_allclose(shown(run, "torque"), expected, atol=1e-12)
+
+
+def test_a_target_of_what_a_joint_moves_is_refused(tmp_path):
+    made, joint = pendulum()
+    shorted_motor(made)
+    made.one(TURNING, "Inertia", "more", "s", w_specify="on", w="7")
+    interface(made, joint)
+    with pytest.raises(InvalidValueError, match=r"'more'.* target 7 for what a signal moves"):
+        made.run(tmp_path, 0.1)
+    made.blocks[made.sid("more")].parameters["w_priority"] = "Low"
+    assert made.run(tmp_path, 0.1).complete
+
+
 def test_a_summary_tells_the_inertias_at_joints(tmp_path):
     made, joint = pendulum()
     shorted_motor(made)
