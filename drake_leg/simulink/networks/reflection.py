@@ -13,7 +13,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.mechanism import network_of
 from drake_leg.simulink.model import Block, Model, split_port
 from drake_leg.simulink.networks.assembly import parameter
-from drake_leg.simulink.networks.reading import Network, Part, Row, networks_of
+from drake_leg.simulink.networks.reading import Network, Part, Row, Term, networks_of
 from drake_leg.simulink.wiring import physical_part
 
 GAIN = "PS Gain"
@@ -57,7 +57,24 @@ class _Reflection:
 
     def _of_part(self, part: Part) -> Part:
         outputs = tuple((port, self._of_output(port, row)) for port, row in part.outputs)
-        return replace(part, outputs=outputs)
+        rows = [row for _, row in outputs]
+        rows += [row for _, _, row in part.states]
+        rows += [row for _, _, arguments in part.laws for row in arguments]
+        terms = dict.fromkeys(term for row in rows for term in row)
+        faults = tuple(fault for term in terms if (fault := self._fault(part, term)))
+        return replace(part, outputs=outputs, faults=(*part.faults, *faults))
+
+    def _fault(self, part: Part, term: Term) -> InvalidValueError | None:
+        """Say that the acceleration of a joint is not known where a block depends on it."""
+        sensed, _ = self._source(term.port) if term.order else ("", 0.0)
+        if not sensed:
+            return None
+        joint = self._blocks[split_port(sensed)[0]]
+        return InvalidValueError(
+            f"block {part.block.name!r} (SID {part.block.sid}) depends on the acceleration of the "
+            f"joint {joint.name!r}, which is known only to a force that acts on joints alone: put "
+            "a spring or a damper between the joint and what turns or slides with it"
+        )
 
     def _of_output(self, port: str, row: Row) -> Row:
         kept = []

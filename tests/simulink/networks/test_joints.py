@@ -119,6 +119,23 @@ def test_a_target_of_what_a_joint_moves_is_refused(tmp_path):
     assert made.run(tmp_path, 0.1).complete
 
 
+@pytest.mark.parametrize("stays_rigid", [True, False])
+def test_an_acceleration_that_is_not_known_is_named_by_its_joint(tmp_path, stays_rigid):
+    """A torque that is shown depends on what the joint does, unless something soft is between."""
+    made, joint = pendulum()
+    shorted_motor(made)
+    interface(made, joint, R="m")
+    ends = {"lconn:1": "m", "rconn:1": "s" if stays_rigid else "n"}
+    sensor = made.part("Mechanical Sensors", "Ideal Torque Sensor", "passes", ends)
+    made.shows(f"{sensor}#rconn:2", "passed")
+    if stays_rigid:
+        with pytest.raises(InvalidValueError, match=r"'passes'.* acceleration of the joint 'Pivot'"):
+            made.run(tmp_path, 0.1)
+        return
+    made.two(TURNING, "Rotational Damper", "soft", "n", "s", D="1")
+    assert made.run(tmp_path, 0.1).complete
+
+
 def test_a_summary_tells_the_inertias_at_joints(tmp_path):
     made, joint = pendulum()
     shorted_motor(made)

@@ -60,8 +60,8 @@ def _value(w: Writer, term: Term) -> str:
     dots = w.pen.dots.get(term.port)
     if dots is None or term.order > len(dots):
         raise w.fault(
-            f"depends on a derivative of the signal from {term.port}, which is not known: filter "
-            "that signal in its Simulink-PS Converter"
+            f"depends on a derivative of the signal from {term.port}, which is not known: let "
+            "it come from a Simulink-PS Converter that filters it"
         )
     return dots[term.order - 1]
 
