@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.multibody.mass import Array, MassProperties
+from drake_leg.simulink.multibody.mass import Array, MassProperties, composed
 
 ENDINGS = (".step", ".stp")
 MOST_BYTES = 200_000_000
@@ -69,20 +69,30 @@ def _shape(path: Path, _: int) -> Any:  # noqa: ANN401 - of Open CASCADE
 
 
 def _properties(shape: Any) -> MassProperties:  # noqa: ANN401 - of Open CASCADE
-    from OCP.BRepGProp import BRepGProp
-    from OCP.GProp import GProp_GProps
+    """Add up the solids of a shape; its other surfaces enclose nothing."""
     from OCP.TopAbs import TopAbs_ShapeEnum as Kind
     from OCP.TopExp import TopExp_Explorer
 
-    if not TopExp_Explorer(shape, Kind.TopAbs_SOLID).More():
+    explorer, parts = TopExp_Explorer(shape, Kind.TopAbs_SOLID), []
+    while explorer.More():
+        parts.append((_of_solid(explorer.Current()), np.eye(4)))
+        explorer.Next()
+    if not parts:
         raise InvalidValueError("whose surface is not closed")
+    return composed(parts)
+
+
+def _of_solid(solid: Any) -> MassProperties:  # noqa: ANN401 - of Open CASCADE
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
     found = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, found, ACCURACY)
+    BRepGProp.VolumeProperties_s(solid, found, ACCURACY)
     center, inertia = found.CentreOfMass(), found.MatrixOfInertia()
     volume = float(found.Mass())
     if not volume:
         raise InvalidValueError("whose surface encloses nothing")
-    sign = 1.0 if volume > 0.0 else -1.0
+    sign = 1.0 if volume > 0.0 else -1.0  # of one whose faces look inwards
     rows = [[inertia.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)]
     return MassProperties(
         mass=sign * volume,

@@ -57,6 +57,28 @@ def test_a_torus_a_cylinder_and_a_cone_are_exact_in_any_unit(cad, tmp_path, unit
 
 
 @pytest.mark.slow
+def test_surfaces_beside_solids_weigh_nothing(cad, tmp_path):
+    """A second solid, its faces turned inwards, counts; a face of construction does not."""
+    from OCP.BRep import BRep_Builder
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+    from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
+    from OCP.TopoDS import TopoDS_Compound
+
+    whole, builder = TopoDS_Compound(), BRep_Builder()
+    builder.MakeCompound(whole)
+    face = gp_Pln(gp_Pnt(0.0, 0.0, 5.0), gp_Dir(0.0, 0.0, 1.0))
+    builder.Add(whole, BRepBuilderAPI_MakeFace(face, 0.0, 1.0, 0.0, 1.0).Face())
+    builder.Add(whole, BRepPrimAPI_MakeBox(1.0, 2.0, 3.0).Shape())
+    far = BRepPrimAPI_MakeBox(gp_Pnt(9.0, 0.0, 0.0), gp_Pnt(10.0, 2.0, 3.0)).Shape()
+    builder.Add(whole, far.Reversed())
+    found = properties_of_step(write(tmp_path / "two.step", whole, "M"))
+    assert found.mass == pytest.approx(12.0, rel=EXACT)
+    np.testing.assert_allclose(found.center, [5.0, 1.0, 1.5], atol=EXACT)
+    assert found.inertia[2, 2] == pytest.approx(12.0 * (5.0 / 12.0 + 4.5**2), rel=EXACT)
+
+
+@pytest.mark.slow
 def test_a_solid_has_the_mass_of_its_file_and_its_own_unit_goes_first(cad, tmp_path):
     cylinder = next(each for each in shapes() if each[2] == 2.5)
     write(tmp_path / "Rod.STEP", cylinder[0])
