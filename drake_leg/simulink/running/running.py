@@ -369,15 +369,18 @@ def moments(
 ) -> Iterator[tuple[float, bool]]:
     """Yield the times at which rows are recorded, or signals have corners, and which it is.
 
-    A row at a sample time is at the very number that Drake makes of it. A row cuts no fixed step.
+    A row at a sample time is at the very number that Drake makes of it. No fixed step is cut: a
+    corner within one takes effect at its end.
     """
     rows = np.linspace(0.0, duration, ROWS + 1) if duration else np.zeros(1)
+    bends = corners(code, duration)
     if step is not None:
         rows = np.minimum(np.round(rows / step) * step, duration)
-    elif base is not None:
+        bends = {at for at in bends if abs(at - round(at / step) * step) < SAME_TIME}
+    if base is not None:
         hits = base[1] + np.round((rows - base[1]) / base[0]) * base[0]
         rows = np.where(np.abs(rows - hits) < SAME_TIME, hits, rows)
-    kept = dict.fromkeys(corners(code, duration), False) | dict.fromkeys(rows.tolist(), True)
+    kept = dict.fromkeys(bends, False) | dict.fromkeys(rows.tolist(), True)
     yield from sorted(kept.items())
 
 

@@ -83,7 +83,9 @@ def test_a_capacitor_at_a_source_draws_the_derivative_of_its_voltage(tmp_path):
     source = made.given(SOURCES, "Controlled Voltage Source", "source", "a", "0", sine)
     made.current("a", "b", "current")
     capacitor(made, "C", "b", "0", "0.5")
-    with pytest.raises(InvalidValueError, match=r"derivative of the signal .*Converter that filters it"):
+    with pytest.raises(
+        InvalidValueError, match=r"derivative of the signal .*Converter that filters it"
+    ):
         made.run(tmp_path)
     converter = made.blocks[str(int(source) + 1)].parameters
     converter |= {"FilteringAndDerivatives": "filter", "InputFilterTimeConstant": "0.01"}

@@ -129,7 +129,9 @@ def test_an_acceleration_that_is_not_known_is_named_by_its_joint(tmp_path, stays
     sensor = made.part("Mechanical Sensors", "Ideal Torque Sensor", "passes", ends)
     made.shows(f"{sensor}#rconn:2", "passed")
     if stays_rigid:
-        with pytest.raises(InvalidValueError, match=r"'passes'.* acceleration of the joint 'Pivot'"):
+        with pytest.raises(
+            InvalidValueError, match=r"'passes'.* acceleration of the joint 'Pivot'"
+        ):
             made.run(tmp_path, 0.1)
         return
     made.two(TURNING, "Rotational Damper", "soft", "n", "s", D="1")

@@ -41,6 +41,30 @@ def test_a_jump_that_no_step_is_short_enough_for_is_passed(tmp_path):
     np.testing.assert_allclose(shown(run, "second")[1:], 0.0, rtol=0, atol=1e-3)
 
 
+@pytest.mark.parametrize(("at", "seen"), [("0.055", 0.06), ("0.3", 0.3), ("0.57", 0.57)])
+def test_a_jump_within_a_fixed_step_comes_at_its_end(tmp_path, at, seen):
+    rig = Rig()
+    rig.solver.update(**FIXED, FixedStep="0.01")
+    rig.show(rig.block("Derivative", "Rate", rig.block("Step", "Jump", Time=at)), "rate")
+    run = run_model(runnable(read_model(rig.write(tmp_path / "rig.slx")), duration=1.0))
+    rate = shown(run, "rate")
+    np.testing.assert_allclose(run.time[rate != 0.0], [seen], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(rate[rate != 0.0], 100.0, rtol=1e-9)
+
+
+def test_rows_of_fixed_steps_show_what_is_sampled_there(tmp_path):
+    """Drake's third sample time is 3 * 0.1, and the thirtieth step ends at 30 * 0.01, before it."""
+    rig = Rig()
+    rig.solver.update(**FIXED, FixedStep="0.01")
+    clock = rig.block("Clock", "Clock")
+    rig.show(rig.block("Derivative", "Rate", clock), "rate")
+    delay = {"SampleTime": "0.1", "InitialCondition": "-0.1"}
+    rig.show(rig.block("UnitDelay", "Delay", clock, **delay), "delayed")
+    run = run_model(runnable(read_model(rig.write(tmp_path / "rig.slx")), duration=1.0))
+    expected = np.floor(run.time * 10.0 + 1e-6) / 10.0 - 0.1
+    np.testing.assert_allclose(shown(run, "delayed"), expected, rtol=0, atol=1e-12)
+
+
 def test_an_accuracy_that_is_asked_for_chooses_the_steps(tmp_path):
     rig = Rig()
     rig.solver.update(**FIXED, FixedStep="0.1")
