@@ -38,6 +38,8 @@ def placed_features(
                 f"no frame of a solid is on the feature {name!r}",
                 advice=did_you_mean(key.partition(":")[0], known, "leave it out"),
             )
+        if key in found:
+            raise InvalidValueError(f"the feature {key!r} is placed twice: keep one")
         if len(numbers) not in (3, 6) or not all(map(math.isfinite, numbers)):
             raise InvalidValueError(
                 f"the feature {name!r} is placed at {len(numbers)} numbers: give a point, x, y, z "

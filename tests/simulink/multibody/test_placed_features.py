@@ -91,6 +91,13 @@ def test_a_place_that_means_nothing_is_refused(tmp_path, name, numbers, sentence
         legs("A").model(tmp_path, features={name: numbers})
 
 
+def test_a_feature_is_placed_once(tmp_path):
+    """Windows does not tell the letters of files apart."""
+    places = {f"{file}:{FEATURE}": [0, 0, 0] for file in ("leg.step", "Leg.STEP")}
+    with pytest.raises(InvalidValueError, match="is placed twice: keep one"):
+        legs("A").model(tmp_path, features=places)
+
+
 def test_a_script_knows_the_places(tmp_path):
     features = {f"leg.step:{FEATURE}": (0.1, 0.0, 0.02)}
     model = legs("A").model(tmp_path, features=features)
