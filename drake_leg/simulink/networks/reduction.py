@@ -176,8 +176,8 @@ class _Reduction:
         if abs(follows - start) > SAME * (1.0 + abs(start)):
             raise InvalidValueError(
                 f"block {self.blocks[state.owner].name!r} (SID {state.owner}) has the target "
-                f"{start:g} for what is rigidly connected with a target of {follows:g}: choose "
-                "targets that agree"
+                f"{start:g}, but what it is connected with makes it {follows:g}: choose targets "
+                "that agree"
             )
 
     # --- results ---

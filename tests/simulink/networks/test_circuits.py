@@ -183,7 +183,7 @@ def test_targets_that_contradict_one_another_are_refused(tmp_path):
     capacitor(made, "C1", "b", "0", "0.06", vc_specify="on", vc="2", vc_priority="High")
     capacitor(made, "C2", "b", "0", "0.04", vc_specify="on", vc="1", vc_priority="High")
     made.voltage("b", "0", "held")
-    with pytest.raises(InvalidValueError, match=r"choose targets that agree"):
+    with pytest.raises(InvalidValueError, match=r"'C1'.* target 2, but .* it 1: choose targets"):
         made.run(tmp_path)
 
 
