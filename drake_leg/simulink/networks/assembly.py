@@ -131,6 +131,10 @@ class Bench:
         """Tell whether a port of the block is connected."""
         return end in self._ends
 
+    def takes(self, end: str) -> bool:
+        """Tell whether the block has a port, connected or not."""
+        return end in self._layout.ends
+
     def at(self, end: str) -> Linear:
         """Return the potential or the velocity at a port."""
         if end not in self._ends and end not in self._open:

@@ -120,7 +120,7 @@ def force_sensor(b: Bench) -> None:
 @element("Ideal Translational Motion Sensor", "Ideal Rotational Motion Sensor")
 def motion_sensor(b: Bench) -> None:
     """Put out velocity, position and acceleration of R relative to C, or to rest."""
-    velocity = b.between("R", "C") if b.has("C") else b.at("R")
+    velocity = b.between("R", "C") if b.takes("C") else b.at("R")
     b.output("V", velocity)
     if b.gives("P"):
         b.require("wrap_angle", "off", "false")

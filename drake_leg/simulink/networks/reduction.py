@@ -120,13 +120,22 @@ class _Reduction:
             if not says:
                 continue
             if not any(quantity.role == "state" for quantity in says):
-                raise InvalidValueError(
-                    f"the blocks {self._named(involved)} leave their network no solution, as they "
-                    "fix one quantity more than once: leave one out, or put a mass or an element "
-                    "with losses between them"
-                )
+                raise self._unsolved(says, involved)
             found.append((says, involved))
         return found
+
+    def _unsolved(self, says: Linear, involved: Iterable[str]) -> InvalidValueError:
+        if any(quantity.role == "law" for quantity in says):
+            return InvalidValueError(
+                f"the blocks {self._named(involved)} meet where a law that is not linear must be "
+                "solved for its argument: put a mass or a damper, in a circuit a capacitor or a "
+                "resistor, there"
+            )
+        return InvalidValueError(
+            f"the blocks {self._named(involved)} leave their network no solution, as they fix one "
+            "quantity more than once: leave one out, or put a mass or an element with losses "
+            "between them"
+        )
 
     def _depend(self, constraint: Linear, involved: Iterable[str]) -> None:
         """Take a state away that follows from others, and let its rate follow, too."""

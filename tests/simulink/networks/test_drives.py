@@ -233,6 +233,32 @@ def test_an_acceleration_is_sensed(tmp_path):
     np.testing.assert_allclose(shown(run, "speed"), 1.5 * run.time, atol=1e-9)
 
 
+def test_a_sensor_with_an_open_end_is_named(tmp_path):
+    """What it measures against is not determined; it is not rest."""
+    made = rested()
+    made.one(TURNING, "Inertia", "mass", "a", inertia="2")
+    sensor = made.part(SENSORS, "Ideal Rotational Motion Sensor", "senses", {"lconn:1": "a"})
+    made.shows(f"{sensor}#rconn:2", "speed")
+    with pytest.raises(InvalidValueError, match=r"'senses' .* has no reference: connect one"):
+        made.run(tmp_path)
+
+
+@pytest.mark.parametrize("is_damped", [True, False])
+def test_friction_needs_a_mass_or_a_damper_beside_it(tmp_path, is_damped):
+    """Else its law is to be solved for the velocity; with a damper, its loop is solved."""
+    made = rested()
+    made.two(TURNING, "Rotational Friction", "rubs", "a", "0", brkwy_trq="1", Col_trq="1",
+             visc_coef="0.5")  # fmt: skip
+    made.given(SOURCES, "Ideal Torque Source", "pushes", "a", "0", made.constant("4"))
+    made.motion("a", "0", "speed")
+    if is_damped:
+        made.two(TURNING, "Rotational Damper", "damps", "a", "0", D="0.5")
+        np.testing.assert_allclose(shown(made.run(tmp_path), "speed"), 3.0, rtol=1e-9)
+        return
+    with pytest.raises(InvalidValueError, match=r"'rubs', 'pushes'.* put a mass or a damper"):
+        made.run(tmp_path)
+
+
 @pytest.mark.parametrize(
     ("folder", "kind", "texts", "said"),
     [
