@@ -272,6 +272,7 @@ def run_model(
     if budget is not None:
         require_positive("the budget", budget, "s")
     diagram = ready.diagram
+    diagram.signals.forget()
     context = diagram.CreateDefaultContext()
     if diagram.mechanism is not None:
         diagram.mechanism.start(context, ready.start)

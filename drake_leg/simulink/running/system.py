@@ -175,6 +175,10 @@ class SignalSystem(LeafSystem):
         if first.times > MOST_LOST:
             raise InvalidValueError(self.what_is_not_finite() or "a signal is not finite")
 
+    def forget(self) -> None:
+        """Forget what was not finite in another run."""
+        self._lost.clear()
+
     def what_is_not_finite(self) -> str:
         """Say which block was the first to put out what is not finite, "" where none did.
 

@@ -544,3 +544,13 @@ def test_a_run_that_is_not_finite_names_the_block_that_was_first(tmp_path):
     assert 0.3 < run.ended < 0.51
     assert run.time[-1] == pytest.approx(run.ended, abs=0.05)
     assert np.isfinite(shown(run, "x")).all()
+
+
+def test_a_run_forgets_what_was_not_finite_in_the_one_before(tmp_path):
+    rig = Rig()
+    root = rig.block("Fcn", "root", rig.block("Clock", "clock"), Expr="sqrt(1-u)")
+    rig.show(rig.block("Integrator", "integral", root), "x")
+    ready = runnable(read_model(rig.write(tmp_path / "rig.slx")), duration=2.0)
+    first, second = run_model(ready), run_model(ready)
+    assert first.stopped
+    assert (second.stopped, second.steps) == (first.stopped, first.steps)
