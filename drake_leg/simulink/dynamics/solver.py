@@ -25,6 +25,7 @@ from drake_leg.simulink.multibody.mass import Array
 FOLLOW = 2.0
 PULL = 10.0
 REDUNDANT = 1e-8  # of the greatest pivot of the constraints, below which one is redundant
+LEFT = 1e-6  # of what constraints ask for, that may be left over where they are redundant
 POOR = 1e-5  # of the greatest pivot, below which independent constraints are chosen again
 
 
@@ -146,30 +147,46 @@ class Solver:
     def _multipliers(self, Z: Array, gap: Array) -> Array:
         """Solve ``Z^T Z x = gap`` for as many multipliers as are independent; the others are 0.
 
-        The forces of the constraints do not depend on which of them are chosen.
+        The forces of the constraints do not depend on which of them are chosen. Where a mechanism
+        leaves a posture in which fewer are, as a flat parallelogram, more are chosen.
         """
         if self._independent is None or self._independent[-1] >= len(gap):
             self._independent = independent_columns(Z)
-        for _ in range(2):
-            kept = self._independent
-            own = Z[:, kept]
-            C, failed = dpotrf(own.T @ own, lower=1)
-            diagonal = C.diagonal()
-            if not failed and diagonal.min() > POOR * diagonal.max():
-                x = np.zeros(len(gap))
-                x[kept] = dpotrs(C, gap[kept], lower=1)[0]
-                return x
+        found = _chosen_multipliers(Z, gap, self._independent)
+        if found is None:
             self._independent = independent_columns(Z)
-        found: Array = np.linalg.pinv(Z, rcond=REDUNDANT) @ (
-            np.linalg.pinv(Z.T, rcond=REDUNDANT) @ gap
-        )
+            found = _chosen_multipliers(Z, gap, self._independent)
+        elif np.abs(Z.T @ (Z @ found) - gap).max() > LEFT * np.abs(gap).max():
+            chosen = independent_columns(Z, POOR)
+            if len(chosen) > len(self._independent):
+                self._independent = chosen
+                found = _chosen_multipliers(Z, gap, chosen)
+        if found is None:
+            found = np.linalg.pinv(Z, rcond=REDUNDANT) @ (
+                np.linalg.pinv(Z.T, rcond=REDUNDANT) @ gap
+            )
         return found
 
 
-def independent_columns(Z: Array) -> Array:
-    """Return the numbers of as many columns as are independent, ascending."""
+def _chosen_multipliers(Z: Array, gap: Array, chosen: Array) -> Array | None:
+    """Solve for the chosen multipliers; None where they are not independent."""
+    own = Z[:, chosen]
+    C, failed = dpotrf(own.T @ own, lower=1)
+    diagonal = C.diagonal()
+    if failed or not diagonal.min() > POOR * diagonal.max():
+        return None
+    found = np.zeros(len(gap))
+    found[chosen] = dpotrs(C, gap[chosen], lower=1)[0]
+    return found
+
+
+def independent_columns(Z: Array, least: float = REDUNDANT) -> Array:
+    """Return the numbers of as many columns as are independent, ascending.
+
+    A pivot counts that is more than ``least`` of the greatest one.
+    """
     R, pivots, *_ = dgeqp3(Z)
     diagonal = np.abs(np.diagonal(R))
-    rank = int((diagonal > REDUNDANT * max(diagonal[0], np.finfo(float).tiny)).sum())
+    rank = int((diagonal > least * max(diagonal[0], np.finfo(float).tiny)).sum())
     found: Array = np.sort(pivots[:rank] - 1)
     return found

@@ -98,6 +98,25 @@ def test_a_four_bar_keeps_its_loop_closed_and_its_energy(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_parallelogram_that_starts_flat_stays_one(tmp_path):
+    """Flat, its loop has two independent constraints; then three, and its crank turns evenly."""
+    rate, target = 100.0, {"TargetSpecify": "on", "TargetPriority": "High"}
+    moving = {f"Velocity{name}": text for name, text in target.items()}
+    placed = {f"Position{name}": text for name, text in target.items()}
+    built = four_bar(ground=0.3, crank=0.1, coupler=0.3, rocker=0.1)
+    for joint, value in (("A", rate), ("B", -rate), ("C", rate)):
+        turning = {**moving, "VelocityTargetValue": str(value)}
+        built.blocks[built.sid(joint)].parameters.update(turning)
+    for joint, value in (("A", "0"), ("C", "180")):
+        built.blocks[built.sid(joint)].parameters.update({**placed, "PositionTargetValue": value})
+    system = dynamics(built, tmp_path)
+    context = run(system, 0.2)
+    q = system.plant.GetPositions(system.plant.GetMyContextFromRoot(context))
+    turned = math.radians(rate) * 0.2
+    np.testing.assert_allclose(q[[0, 2]], [turned, math.pi + turned], rtol=0, atol=1e-9)
+
+
+@pytest.mark.slow
 def test_a_loop_that_cannot_be_closed_is_refused(tmp_path):
     system = dynamics(four_bar(ground=2.0), tmp_path)
     with pytest.raises(InvalidValueError, match=r"'D' stay .* open at the start"):
