@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
+
+from drake_leg.simulink.networks.elimination import RESIDUE
 
 Role = Literal["across", "through", "rate", "state", "input", "law", "one"]
 
@@ -55,3 +57,14 @@ class Linear(Mapping[Quantity, float]):
 
     def __rmul__(self, factor: float) -> Linear:
         return Linear({quantity: factor * own for quantity, own in self._terms.items()})
+
+
+def total(parts: Iterable[tuple[float, Linear]]) -> Linear:
+    """Add multiples of sums; what cancels up to rounding is gone."""
+    found: dict[Quantity, float] = {}
+    sizes: dict[Quantity, float] = {}
+    for factor, part in parts:
+        for quantity, own in part.items():
+            found[quantity] = found.get(quantity, 0.0) + factor * own
+            sizes[quantity] = sizes.get(quantity, 0.0) + abs(factor * own)
+    return Linear({q: value for q, value in found.items() if abs(value) > RESIDUE * sizes[q]})

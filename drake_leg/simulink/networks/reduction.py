@@ -16,7 +16,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block
 from drake_leg.simulink.networks.assembly import Assembly, Law, State
 from drake_leg.simulink.networks.elimination import Eliminated, eliminated
-from drake_leg.simulink.networks.linear import ONE, Linear, Quantity
+from drake_leg.simulink.networks.linear import ONE, Linear, Quantity, total
 
 ORDERS = 3  # of the derivatives that may be taken
 SAME = 1e-9  # of the targets of states that depend on one another
@@ -102,10 +102,7 @@ class _Reduction:
 
     def _substituted(self, value: Linear) -> Linear:
         """Replace the states that follow from others."""
-        for quantity, instead in self.dependent.items():
-            if quantity in value:
-                value = value - value[quantity] * Linear(quantity) + value[quantity] * instead
-        return value
+        return total((factor, self.dependent.get(q, Linear(q))) for q, factor in value.items())
 
     def _constraints(self, solved: Eliminated) -> list[tuple[Linear, list[str]]]:
         """Find what the equations say of states alone."""
@@ -151,11 +148,8 @@ class _Reduction:
         least = min(states, key=lambda q: (self._states[q].priority, -abs(constraint[q])))
         factor = constraint[least]
         instead = (-1.0 / factor) * (constraint - factor * Linear(least))
-        self.dependent = {
-            q: value + value.get(least, 0.0) * (instead - Linear(least))
-            for q, value in self.dependent.items()
-        }
         self.dependent[least] = instead
+        self.dependent = {q: self._substituted(value) for q, value in self.dependent.items()}
         rate = Linear()
         for quantity, share in constraint.items():
             if quantity.role == "state":

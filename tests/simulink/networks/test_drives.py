@@ -55,6 +55,22 @@ def test_inertias_at_a_gear_are_one_state(tmp_path):
     np.testing.assert_allclose(shown(run, "passed"), 0.5 * rate, rtol=1e-12)
 
 
+@pytest.mark.parametrize("ratios", [("0.1", "0.7", "0.07"), ("1000", "333.3", "333300")])
+def test_gears_side_by_side_turn_though_their_ratios_are_rounded(tmp_path, ratios):
+    """0.1 * 0.7 is not 0.07 to the last digit, which is no reason to rest."""
+    made = rested()
+    for net, inertia in (("a", "0.02"), ("b", "0.3"), ("c", "0.1")):
+        made.one(TURNING, "Inertia", f"at {net}", net, inertia=inertia)
+    for (fast, slow), ratio in zip(("ab", "bc", "ac"), ratios, strict=True):
+        made.two(MECHANISMS, "Gear Box", f"gear {fast}{slow}", fast, slow, ratio=ratio)
+    made.given(SOURCES, "Ideal Torque Source", "pushes", "a", "0", made.constant("1"))
+    made.motion("c", "0", "speed")
+    run = made.run(tmp_path, 0.1)
+    second, both = float(ratios[1]), float(ratios[2])
+    rate = both / (0.1 + 0.3 * second**2 + 0.02 * both**2)
+    assert shown(run, "speed")[-1] == pytest.approx(rate * 0.1, rel=1e-9)
+
+
 def test_a_wheel_rolls_a_mass(tmp_path):
     made = rested(SLIDING)
     made.one(TURNING, "Inertia", "disk", "a", inertia="0.1")
