@@ -47,6 +47,7 @@ SHORTEST_STEP = 1e-10  # of the duration
 MOST_CORNERS = 100_000
 _SOLVED = ("none", "warning")  # settings with which Simulink solves algebraic loops
 OWN_ACCURACY = 1e-5  # at most, of own steps: finer ones cost little
+COARSEST = 1e-3  # relative tolerance of a file that gives none, as Simulink takes it
 INTERRUPTED = "interrupted"
 SHOWN_TIMES = 5
 
@@ -292,13 +293,14 @@ def run_model(
     )
     if by_error and (ready.code.has_edges or is_stiff(diagram, ready.solver, config)):
         _take_own_steps(ready, stepper)
+    coarsest = config.accuracy if accuracy else ready.solver.get("tolerance", COARSEST)
     began = monotonic()
     stopped = ""
     try:
         with interrupts_kept(), np.errstate(all="ignore"):
             stepper.begin()
             for time, is_row in _moments(ready, None if by_error else ready.solver["fixed step"]):
-                is_there = _advance(ready, stepper, watch, time)
+                is_there = _advance(ready, stepper, watch, time, coarsest)
                 if not is_there:
                     break
                 if is_row:
@@ -320,11 +322,14 @@ def _moments(ready: Runnable, step: float | None) -> Iterator[tuple[float, bool]
     yield from moments(ready.code, duration, base, step)
 
 
-def _advance(ready: Runnable, stepper: Stepper, watch: StepWatch, time: float) -> bool:
+def _advance(
+    ready: Runnable, stepper: Stepper, watch: StepWatch, time: float, coarsest: float
+) -> bool:
     """Go on to a time, and tell whether it was reached.
 
-    Where explicit steps of a mechanism become too short, implicit ones go on. Where no steps are
-    short enough, as a signal jumps, the shortest one is taken.
+    Where explicit steps of a mechanism become too short, implicit ones go on. Where no step is
+    short enough for its accuracy, the coarsest one that the file asks for is taken from there on;
+    and where that does not help, as a signal jumps, the shortest step.
     """
 
     def is_over() -> bool:
@@ -340,7 +345,7 @@ def _advance(ready: Runnable, stepper: Stepper, watch: StepWatch, time: float) -
                 return True
             watch.crawls |= ready.diagram.mechanism is not None
             if stepper.is_stiff or not watch.crawls:
-                if not stepper.force():
+                if not (stepper.relax(coarsest) or stepper.force()):
                     raise
                 continue
         if stepper.is_stiff or not watch.crawls:
@@ -396,13 +401,22 @@ def corners(code: Code, duration: float) -> set[float]:
     return times
 
 
-def _forced(stepper: Stepper, ready: Runnable) -> Iterator[str]:
-    """Tell where the error was not controlled."""
+def _said_of_errors(stepper: Stepper, ready: Runnable) -> Iterator[str]:
+    """Tell where the error was controlled less, or not at all."""
+    begins = ready.code.begins
+    if stepper.relaxed is not None:
+        yield (
+            f"from {stepper.relaxed + begins:.4g} s on the accuracy is that of the file, "
+            f"{stepper.config.accuracy:g}: no step there is short enough for "
+            f"{stepper.first_accuracy:g}"
+        )
     if stepper.forced:
-        times = dict.fromkeys(f"{time + ready.code.begins:.4g}" for time in stepper.forced)
-        listed = ", ".join([*times][:SHOWN_TIMES])
-        more = f" and {len(times) - SHOWN_TIMES} more times" if len(times) > SHOWN_TIMES else ""
-        yield f"no step is short enough for its accuracy at {listed}{more} s, where a signal jumps"
+        times = [*dict.fromkeys(f"{time + begins:.4g} s" for time in stepper.forced)]
+        more = f", and {len(times) - SHOWN_TIMES} later ones" if len(times) > SHOWN_TIMES else ""
+        yield (
+            "a signal jumps, or has noise, that no step is short enough for: the error is not "
+            f"controlled at {', '.join(times[:SHOWN_TIMES])}{more}"
+        )
 
 
 def _recorded(
@@ -442,5 +456,5 @@ def _recorded(
         integrator=stepper.integrator,
         accuracy=stepper.accuracy,
         longest_step=stepper.config.max_step_size,
-        remarks=(*ready.remarks, *_forced(stepper, ready)),
+        remarks=(*ready.remarks, *_said_of_errors(stepper, ready)),
     )

@@ -97,6 +97,8 @@ class Stepper:
         self._simulator.set_monitor(watch)
         self._configure()
         self._own: Solution | None = None
+        self.first_accuracy = config.accuracy
+        self.relaxed: float | None = None  # [s], from where on the accuracy is coarser
         self.forced: list[float] = []  # [s], where the shortest steps were taken
         self._in_a_row = 0
         self._before = 0  # steps of what integrated before
@@ -197,6 +199,16 @@ class Stepper:
         self._restart()
         return True
 
+    def relax(self, accuracy: float) -> bool:
+        """Go on at a coarser accuracy; tell whether it is one."""
+        if not self.config.use_error_control or self.config.accuracy >= accuracy:
+            return False
+        self.relaxed = self.context.get_time()
+        self.config.accuracy = accuracy
+        self._configure()
+        self._restart()
+        return True
+
     def force(self) -> bool:
         """Take the shortest step whatever its error; tell whether that were few in a row.
 
@@ -239,6 +251,7 @@ class Stepper:
         self._simulator.clear_monitor()
 
     def _configure(self) -> None:
+        self.config.start_time = self.context.get_time()  # else Drake would set it to 0
         ApplySimulatorConfig(self.config, self._simulator)
         self._simulator.get_mutable_integrator().set_requested_minimum_step_size(self._shortest)
 

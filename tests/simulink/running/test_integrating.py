@@ -37,7 +37,7 @@ def test_a_jump_that_no_step_is_short_enough_for_is_passed(tmp_path):
     run = run_model(twice_derived(tmp_path, 1))
     assert run.ended == 1.0
     assert not run.stopped
-    assert any("no step is short enough for its accuracy at" in said for said in run.remarks)
+    assert any("the error is not controlled at" in said for said in run.remarks)
     np.testing.assert_allclose(shown(run, "second")[1:], 0.0, rtol=0, atol=1e-3)
 
 
@@ -63,6 +63,22 @@ def test_rows_of_fixed_steps_show_what_is_sampled_there(tmp_path):
     run = run_model(runnable(read_model(rig.write(tmp_path / "rig.slx")), duration=1.0))
     expected = np.floor(run.time * 10.0 + 1e-6) / 10.0 - 0.1
     np.testing.assert_allclose(shown(run, "delayed"), expected, rtol=0, atol=1e-12)
+
+
+def test_where_no_step_is_short_enough_the_accuracy_is_that_of_the_file(tmp_path, monkeypatch):
+    """From there on, and time goes on, too."""
+    monkeypatch.setattr("drake_leg.simulink.running.running.SHORTEST_STEP", 4e-4)
+    monkeypatch.setattr("drake_leg.simulink.running.stepping.PASSED_OVER", 0.5)
+    rig = Rig()
+    fast = rig.block("Sin", "Sine", Frequency="600")
+    rig.show(rig.block("Integrator", "Sum", fast), "sum")
+    ready = runnable(read_model(rig.write(tmp_path / "rig.slx")), duration=1.0)
+    run = run_model(ready)
+    assert run.ended == 1.0
+    assert run.accuracy == 1e-3
+    assert any("on the accuracy is that of the file, 0.001" in said for said in run.remarks)
+    np.testing.assert_allclose(shown(run, "sum"), (1 - np.cos(600 * run.time)) / 600, atol=1e-3)
+    assert run.steps > 500
 
 
 def test_an_accuracy_that_is_asked_for_chooses_the_steps(tmp_path):
@@ -93,6 +109,25 @@ def test_an_automatic_step_meets_all_sample_times(tmp_path, periods, step):
     assert ready.solver["fixed step"] == pytest.approx(step, rel=1e-12)
     assert run_model(ready).longest_step == pytest.approx(step, rel=1e-8)
     assert automatic_step(1.0, None) == 0.02
+
+
+@pytest.mark.slow
+def test_time_goes_on_where_the_integrator_changes(tmp_path):
+    """A pendulum in a damper creeps, and is driven by a sine of the time."""
+    built = pendulum(
+        TorqueActuationMode="InputTorque", DampingCoefficient="1e5",
+        DampingCoefficientUnits="N*m/(rad/s)",
+    )  # fmt: skip
+    inward = built.add_library("nesl_utility/Simulink-PS Converter", "In", {"Unit": "N*m"})
+    sine = built.add_block("Sin", "Sine", {"Amplitude": "1e5", "Frequency": "3"})
+    built.connect(sine, f"{inward}#in:1")
+    built.physical(f"{inward}#rconn:1", f"{built.sid('Pivot')}#lconn:2")
+    run = run_model(runnable(built.model(tmp_path), duration=2.0))
+    assert "rodas5p" in run.integrator
+    assert run.ended == 2.0
+    np.testing.assert_allclose(run.time, np.linspace(0.0, 2.0, len(run.time)), atol=1e-9)
+    creep = (1.0 - np.cos(3.0 * run.time)) / 3.0
+    np.testing.assert_allclose(run.states[:, 0], creep, rtol=0, atol=2e-3)
 
 
 @pytest.mark.slow
