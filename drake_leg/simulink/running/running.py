@@ -299,7 +299,8 @@ def run_model(
     try:
         with interrupts_kept(), np.errstate(all="ignore"):
             stepper.begin()
-            for time, is_row in _moments(ready, None if by_error else ready.solver["fixed step"]):
+            step = None if by_error else ready.solver["fixed step"]
+            for time, is_row in _moments(ready, step, integrates=stepper.has_states):
                 is_there = _advance(ready, stepper, watch, time, coarsest)
                 if not is_there:
                     break
@@ -316,10 +317,12 @@ def run_model(
     return _recorded(ready, stepper, watch, stopped, monotonic() - began)
 
 
-def _moments(ready: Runnable, step: float | None) -> Iterator[tuple[float, bool]]:
+def _moments(
+    ready: Runnable, step: float | None, *, integrates: bool = True
+) -> Iterator[tuple[float, bool]]:
     """Yield the times to which a run goes, and whether each is that of a row."""
     duration, base = ready.solver["duration"], ready.diagram.signals.base
-    yield from moments(ready.code, duration, base, step)
+    yield from moments(ready.code, duration, base, step, integrates=integrates)
 
 
 def _advance(
@@ -371,23 +374,46 @@ def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
 
 
 def moments(
-    code: Code, duration: float, base: Rate | None, step: float | None = None
+    code: Code,
+    duration: float,
+    base: Rate | None,
+    step: float | None = None,
+    *,
+    integrates: bool = True,
 ) -> Iterator[tuple[float, bool]]:
     """Yield the times at which rows are recorded, or signals have corners, and which it is.
 
     A row at a sample time is at the very number that Drake makes of it. No fixed step is cut: a
-    corner within one takes effect at its end.
+    corner within one takes effect at its end. Where nothing integrates, all fixed steps are there.
     """
     rows = np.linspace(0.0, duration, ROWS + 1) if duration else np.zeros(1)
-    bends = corners(code, duration)
+    between = np.array(sorted(corners(code, duration)))
     if step is not None:
-        rows = np.minimum(np.round(rows / step) * step, duration)
-        bends = {at for at in bends if abs(at - round(at / step) * step) < SAME_TIME}
-    if base is not None:
-        hits = base[1] + np.round((rows - base[1]) / base[0]) * base[0]
-        rows = np.where(np.abs(rows - hits) < SAME_TIME, hits, rows)
-    kept = dict.fromkeys(bends, False) | dict.fromkeys(rows.tolist(), True)
+        numbers = [(round(at / step), at) for at in between.tolist()]
+        bends = {n: at for n, at in numbers if abs(at - n * step) < SAME_TIME}
+        rows = _at_steps(np.round(rows / step), step, duration, bends)
+        between = np.zeros(0)
+        if not integrates:
+            between = _at_steps(np.arange(1.0, duration / step), step, duration, bends)
+            between = _at_samples(between, base)
+    rows = _at_samples(rows, base)
+    kept = dict.fromkeys(between.tolist(), False) | dict.fromkeys(rows.tolist(), True)
     yield from sorted(kept.items())
+
+
+def _at_steps(numbers: Array, step: float, duration: float, bends: Mapping[int, float]) -> Array:
+    """Return the ends of fixed steps: none before a corner that it is to meet, by rounding."""
+    ends = (min(max(n * step, bends.get(int(n), 0.0)), duration) for n in numbers.tolist())
+    return np.fromiter(ends, dtype=float)
+
+
+def _at_samples(times: Array, base: Rate | None) -> Array:
+    """Put times that are sample times at the very numbers of these."""
+    if base is None:
+        return times
+    hits = base[1] + np.round((times - base[1]) / base[0]) * base[0]
+    found: Array = np.where(np.abs(times - hits) < SAME_TIME, hits, times)
+    return found
 
 
 def corners(code: Code, duration: float) -> set[float]:

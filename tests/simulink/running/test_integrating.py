@@ -52,6 +52,20 @@ def test_a_jump_within_a_fixed_step_comes_at_its_end(tmp_path, at, seen):
     np.testing.assert_allclose(rate[rate != 0.0], 100.0, rtol=1e-9)
 
 
+@pytest.mark.parametrize(("duration", "at"), [(10.0, "2"), (1.0, "0.57")])
+def test_a_memory_is_one_fixed_step_late(tmp_path, duration, at):
+    """Also between rows, where nothing is integrated, and at a jump: 57 * 0.01 is after 0.57."""
+    rig = Rig()
+    rig.solver.update(**FIXED, FixedStep="0.01")
+    before = {"InitialCondition": "-0.01"}
+    rig.show(rig.block("Memory", "Memory", rig.block("Clock", "Clock"), **before), "before")
+    rig.show(rig.block("Step", "Jump", Time=at), "jump")
+    run = run_model(runnable(read_model(rig.write(tmp_path / "rig.slx")), duration=duration))
+    np.testing.assert_allclose(shown(run, "before"), run.time - 0.01, rtol=0, atol=1e-9)
+    after = run.time > float(at) - 0.005
+    np.testing.assert_array_equal(shown(run, "jump"), after.astype(float))
+
+
 def test_rows_of_fixed_steps_show_what_is_sampled_there(tmp_path):
     """Drake's third sample time is 3 * 0.1, and the thirtieth step ends at 30 * 0.01, before it."""
     rig = Rig()
