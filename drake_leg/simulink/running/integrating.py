@@ -21,6 +21,7 @@ STIFF_ACCURACY = 1e-3
 STIFF_SOLVERS = ("ode15s", "ode23s", "ode23t", "ode23tb", "daessc", "ode14x", "ode1be")
 FINEST = 1e-10  # accuracy that a file may ask for
 EXPLICIT = "runge_kutta3"  # Drake's integrator for what is not stiff
+FIXED = "bogacki_shampine3"  # Simulink's ode3, for fixed steps
 STRETCHED = 1.0 + 1e-9  # fixed steps that end at a row are not followed by one of rounding
 
 
@@ -100,7 +101,7 @@ def config_of(
     is_fixed = takes_fixed_steps(diagram, solver, accuracy)
     longest = solver.get("longest step", duration / STEPS if duration else 1.0)
     return SimulatorConfig(
-        integration_scheme=STIFF if is_stiff else EXPLICIT,
+        integration_scheme=STIFF if is_stiff else FIXED if is_fixed else EXPLICIT,
         accuracy=accuracy or min(usual, solver.get("tolerance", usual)),
         max_step_size=STRETCHED * solver["fixed step"] if is_fixed else longest,
         use_error_control=not is_fixed,

@@ -52,6 +52,18 @@ def test_a_jump_within_a_fixed_step_comes_at_its_end(tmp_path, at, seen):
     np.testing.assert_allclose(rate[rate != 0.0], 100.0, rtol=1e-9)
 
 
+@pytest.mark.parametrize(("at", "off"), [(0.5, 0.0), (0.505, 7.0 / 9.0 - 0.5)])
+def test_fixed_steps_are_those_of_ode3(tmp_path, at, off):
+    """Its stages are at 0, 1/2 and 3/4 of a step, with weights of 2/9, 3/9 and 4/9."""
+    rig = Rig()
+    rig.solver.update(**FIXED, FixedStep="0.01")
+    rig.show(rig.block("Derivative", "Rate", rig.block("Clock", "Clock")), "rate")
+    jump = rig.block("Step", "Jump", Time=f"{at}")
+    rig.show(rig.block("Integrator", "Sum", jump), "sum")
+    run = run_model(runnable(read_model(rig.write(tmp_path / "rig.slx")), duration=1.0))
+    assert shown(run, "sum")[-1] == pytest.approx(1.0 - at + 0.01 * off, abs=1e-9)
+
+
 @pytest.mark.parametrize(("duration", "at"), [(10.0, "2"), (1.0, "0.57")])
 def test_a_memory_is_one_fixed_step_late(tmp_path, duration, at):
     """Also between rows, where nothing is integrated, and at a jump: 57 * 0.01 is after 0.57."""
