@@ -12,8 +12,14 @@ from typing import TypeVar
 import numpy as np
 from scipy.cluster.hierarchy import DisjointSet
 
-from drake_leg.errors import InvalidValueError, MissingThingsError, UnplacedFeatureError
+from drake_leg.errors import (
+    InvalidValueError,
+    MissingThingsError,
+    UnknownValueError,
+    UnplacedFeatureError,
+)
 from drake_leg.simulink.catalogue import JOINTS
+from drake_leg.simulink.lacks import lacks_of_block
 from drake_leg.simulink.mechanism import SOLIDS as OF_MASS
 from drake_leg.simulink.mechanism import Frame, PhysicalNetwork, network_of, rigid_transform
 from drake_leg.simulink.model import Block, Model, is_on, vector
@@ -148,6 +154,7 @@ class _Reading:
         self._network: PhysicalNetwork = network_of(flat)
         self._placed, self._inputs = model.features, constant_inputs(model)
         self._problems: dict[str, None] = {}
+        self._is_lacking = False  # whether the block that is read lacks a value
         self._only: dict[str, Array] = {}
         self._unplaced: dict[str, dict[str, UnplacedFeatureError]] = {}  # by feature, then block
         self._mechanical = self._at_frames()
@@ -168,20 +175,10 @@ class _Reading:
         joints: list[Jointed] = []
         solids: list[tuple[Frame, Solid]] = []
         for block in self._mechanical:
-            self._notice_unknown(block)
-            if block.kind == "World Frame":
-                rigid += self._at_world(block)
-            elif block.kind in ("Rigid Transform", "Weld Joint"):
-                rigid.append(self._rigid(block))
-            elif block.kind in JOINTS:
-                joints.append(self._joint(block))
-            elif block.kind in SOLIDS:
-                solid = Solid(
-                    block=block, find=self._find, placed=self._placed, inputs=self._inputs
-                )
-                self._attempt(NO_MASS, _properties, solid)
-                solids.append((_own(block), solid))
-                rigid += self._at_solid(solid)
+            self._attempt(None, self._read, block, rigid, joints, solids)
+            if self._is_lacking:
+                self._problems |= dict.fromkeys(lack.reason for lack in lacks_of_block(block))
+                self._is_lacking = False
         return Connections(
             rigid=tuple(rigid),
             joints=tuple(joints),
@@ -190,6 +187,26 @@ class _Reading:
             left_out=self._left_out(),
             only=self._only,
         )
+
+    def _read(
+        self,
+        block: Block,
+        rigid: list[Rigid],
+        joints: list[Jointed],
+        solids: list[tuple[Frame, Solid]],
+    ) -> None:
+        self._notice_unknown(block)
+        if block.kind == "World Frame":
+            rigid += self._at_world(block)
+        elif block.kind in ("Rigid Transform", "Weld Joint"):
+            rigid.append(self._rigid(block))
+        elif block.kind in JOINTS:
+            joints.append(self._joint(block))
+        elif block.kind in SOLIDS:
+            solid = Solid(block=block, find=self._find, placed=self._placed, inputs=self._inputs)
+            self._attempt(NO_MASS, _properties, solid)
+            solids.append((_own(block), solid))
+            rigid += self._at_solid(solid)
 
     def _at_frames(self) -> list[Block]:
         """List the blocks of Simscape Multibody at frames, and unknown blocks that meet them."""
@@ -209,6 +226,7 @@ class _Reading:
             return work(*arguments)
         except InvalidValueError as error:
             self._problems[str(error)] = None
+            self._is_lacking |= isinstance(error, UnknownValueError)
             return otherwise
 
     def _notice_unknown(self, block: Block) -> None:
@@ -295,7 +313,7 @@ class _Reading:
     def _left_out(self) -> dict[str, tuple[str, ...]]:
         found: dict[str, list[str]] = {}
         for block in self._blocks:
-            if block.kind in (*FORCES, *CONSTRAINTS) and is_multibody(block):
+            if acts(block):
                 found.setdefault(block.kind, []).append(block.name)
         return {kind: tuple(names) for kind, names in found.items()}
 
@@ -303,6 +321,11 @@ class _Reading:
 def is_multibody(block: Block) -> bool:
     """Tell whether a block is of Simscape Multibody, or of a library that stands on it."""
     return block.source.startswith(("sm_lib/", "Contact_Forces_Lib/"))
+
+
+def acts(block: Block) -> bool:
+    """Tell whether a block of Simscape Multibody is a force or a constraint, and no joint."""
+    return block.kind in (*FORCES, *CONSTRAINTS) and is_multibody(block)
 
 
 def _unplaced(blocks: Mapping[str, UnplacedFeatureError]) -> str:

@@ -14,8 +14,9 @@ from drake_leg.progress import interrupts_kept
 from drake_leg.simulation.integrator import require_accuracy
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import Contact, MechanismSystem, mechanism_dynamics
+from drake_leg.simulink.lacks import lacks_of_block
 from drake_leg.simulink.model import LOOPS, Model, number, split_port
-from drake_leg.simulink.multibody.connections import refuse
+from drake_leg.simulink.multibody.connections import acts, refuse
 from drake_leg.simulink.networks.reflection import reflected_of
 from drake_leg.simulink.running.compiling import (
     A_RUN,
@@ -219,7 +220,15 @@ def _mechanism(model: Model, contact: Contact, solve_loops: bool) -> MechanismSy
         )
     except InvalidValueError as error:
         found = error.problems if isinstance(error, MissingThingsError) else (str(error),)
-        lacking = missing_for_run(signal_network(model), solve_loops=solve_loops)
+        lacking = [
+            *(
+                lack.reason
+                for block in model.blocks
+                if acts(block)
+                for lack in lacks_of_block(block)
+            ),
+            *missing_for_run(signal_network(model), solve_loops=solve_loops),
+        ]
         raise MissingThingsError(dict.fromkeys((*found, *lacking)), A_RUN) from None
 
 

@@ -101,6 +101,16 @@ def test_all_that_is_missing_is_listed_at_once(tmp_path):
     assert all(word in str(caught.value) for word in ("'stiff'", "'heavy'", "'[0 L/2 0]'"))
 
 
+def test_all_values_that_a_block_lacks_are_listed_at_once(tmp_path):
+    built = MechanismBuilder()
+    built.body("Spherical Solid", "Ball", SphereRadius="r", Density="rho")
+    built.body("Cylindrical Solid", "Rod", CylinderRadius="d", CylinderLength="l", Density="rho")
+    built.meet("Ball", "Rod")
+    with pytest.raises(InvalidValueError, match="4 things are missing") as caught:
+        built.mechanism(tmp_path)
+    assert all(f"give a value of {name}" in str(caught.value) for name in ("r", "rho", "d", "l"))
+
+
 def test_a_colour_that_is_not_known_is_no_obstacle(tmp_path):
     built = pendulum().set("Rod", GraphicDiffuseColor="paint", GraphicOpacity="shine")
     ((solid, _),) = built.mechanism(tmp_path).bodies[1].solids
