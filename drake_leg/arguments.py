@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import cache, wraps
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 R = TypeVar("R")
 
+_VOWEL = re.compile(r"(?!MATLAB)([AEIOaeio]|Up|[FHLMNRSX](?![a-z]))")
 MOST_SHOWN = 60  # characters of a value
 MOST_DIGITS = 20  # of an integer; a greater one is written as 1e+20
 MOST_PARTS = 6  # of a list or a tuple that is written part by part
@@ -118,7 +120,7 @@ def require_kind(what: str, value: object, *kinds: type, advice: str | None = No
     if not isinstance(value, kinds):
         names = " or ".join(kind.__name__ for kind in kinds).replace("NoneType", "None")
         raise InvalidValueError(
-            f"{what} is {shown(value)}; it must be {_with_article(names)}",
+            f"{what} is {shown(value)}; it must be {with_article(names)}",
             advice=_advice(*kinds) if advice is None else advice,
         )
 
@@ -147,7 +149,7 @@ def shown(value: object) -> str:
         text = ""
     if text and len(text) <= MOST_SHOWN and "object at 0x" not in text:
         return text
-    return _with_article(type(value).__name__)
+    return with_article(type(value).__name__)
 
 
 def printable(text: str) -> str:
@@ -157,13 +159,24 @@ def printable(text: str) -> str:
     return "".join(sign if sign.isprintable() else f"\\x{ord(sign):02x}" for sign in text)
 
 
+def counted(number: int, noun: str) -> str:
+    """Write a number with what is counted: ``1 column``, ``2 columns``."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def with_article(noun: str) -> str:
+    """Put the indefinite article before a noun, as it is said: ``an S-Function``, ``a Gain``."""
+    return f"{'an' if _VOWEL.match(noun) else 'a'} {noun}"
+
+
+def quoted(text: str) -> str:
+    """Quote a text, its backslashes as they are typed."""
+    return repr(text).replace("\\\\", "\\")
+
+
 def _is_long(value: object) -> TypeGuard[int]:
     """Whether a value is an integer of more digits than a reader counts."""
     return isinstance(value, int) and abs(value) >= 10**MOST_DIGITS
-
-
-def _with_article(name: str) -> str:
-    return f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"
 
 
 @cache
@@ -257,4 +270,4 @@ def _words(hint: object) -> str:
         parts = get_args(hint)
         return "a tuple of numbers" if parts[-1] is Ellipsis else f"{len(parts)} numbers"
     name = getattr(hint, "__name__", str(hint))
-    return WORDS.get(hint) or _with_article(name)
+    return WORDS.get(hint) or with_article(name)

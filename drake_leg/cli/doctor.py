@@ -67,7 +67,7 @@ def configure_doctor(parser: argparse.ArgumentParser) -> None:
         "Exit status: 0 all well, 1 no posture within the joints' limits puts the foot there, the "
         "robot cannot walk so, or a map could not be drawn, 2 bad input."
     )
-    add_robot_source(parser)
+    add_robot_source(parser, models=True)
     add_tip(parser)
     parser.add_argument(
         "--q",

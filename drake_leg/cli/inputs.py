@@ -10,6 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_leg.arguments import counted
 from drake_leg.cli.terminal import numbers, remark
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.files import read_text
@@ -131,14 +132,15 @@ def walks(robot: Robot) -> bool:
         return False
 
 
-def add_robot_source(parser: argparse.ArgumentParser) -> None:
-    """Add the argument that names a robot or its file."""
+def add_robot_source(parser: argparse.ArgumentParser, *, models: bool = False) -> None:
+    """Add the argument that names a robot or its file, or a model's where there are ``models``."""
     names = ", ".join(ROBOT_NAMES)
     parser.add_argument(
         "robot",
-        metavar=f"NAME|{FILE}",
+        metavar=f"NAME|{FILE}{'|FILE.slx' if models else ''}",
         help=f"one of {names}, or a robot of your own: a TOML file ('drake-leg sdf leg-b --toml' "
-        "prints one), or a .par file of SYMORO (--par prints one)",
+        "prints one), or a .par file of SYMORO (--par prints one)"
+        + ("; or a Simulink model (.slx, .mdl)" if models else ""),
     )
     add_numbers(parser)
 
@@ -289,7 +291,8 @@ def joint_positions(
     moving = moving or robot.moving
     if len(values) != len(moving):
         raise InvalidValueError(
-            f"--q has {len(values)} numbers; {robot.name} has {len(robot.moving)} joint positions"
+            f"--q has {counted(len(values), 'number')}; {robot.name} has "
+            f"{counted(len(robot.moving), 'joint position')}"
         )
     return [
         math.radians(value) if segment.row.joint == "revolute" else value

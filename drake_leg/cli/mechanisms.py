@@ -53,7 +53,7 @@ def write_mechanism(chosen: argparse.Namespace) -> int:
         print(f"wrote {chosen.out}: {proof.sentence(mechanism)}")
         if made is not None:
             print(f"wrote {made}")
-    for sentence in remarks(mechanism):
+    for sentence in (*remarks_on_places(mechanism), *remarks(mechanism)):
         remark(sentence)
     return 0
 
@@ -86,8 +86,8 @@ def places_of(path: Path, chosen: argparse.Namespace) -> tuple[Path, ...]:
 def _remark_hidden(meshes: Meshes) -> None:
     if meshes.missing:
         remark(
-            f"not shown, as {_some(meshes.missing)} lies neither beside the model nor in a folder "
-            "that --path names"
+            f"not shown, as they are neither beside the model nor in a folder that --path names: "
+            f"{_some(meshes.missing)}"
         )
     if meshes.unread:
         reasons = set(meshes.unread.values())
@@ -161,7 +161,6 @@ def found_alone(only: Mapping[str, Array]) -> Iterator[str]:
 
 def remarks(mechanism: Mechanism) -> Iterator[str]:
     """Say what of a mechanism is not in its SDF, or is there in another form."""
-    yield from found_alone(mechanism.connections.only)
     left_out = mechanism.connections.left_out
     if left_out:
         counted = ", ".join(f"{kind} ({len(names)})" for kind, names in left_out.items())
@@ -175,6 +174,11 @@ def remarks(mechanism: Mechanism) -> Iterator[str]:
     if mechanism.sensors:
         names = ", ".join(joint.name for joint in mechanism.sensors)
         yield f"a 6-DOF joint between connected bodies only measures, and is left out: {names}"
+
+
+def remarks_on_places(mechanism: Mechanism) -> Iterator[str]:
+    """Say where the places of a mechanism are not what one may expect."""
+    yield from found_alone(mechanism.connections.only)
     floating = [mechanism.bodies[number].name for number in mechanism.floating]
     if floating:
         yield f"no joint connects these with the world, so they float: {', '.join(floating)}"
@@ -184,7 +188,7 @@ def remarks(mechanism: Mechanism) -> Iterator[str]:
 def shown_mechanism(path: Path, chosen: argparse.Namespace) -> Iterator[object]:
     """Yield a model's mechanism as something to be shown, at its state targets."""
     mechanism = read_mechanism(path, chosen)
-    for sentence in remarks(mechanism):
+    for sentence in remarks_on_places(mechanism):
         remark(sentence)
     with mechanism_in_3d(mechanism, places_of(path, chosen)) as scene:
         yield scene

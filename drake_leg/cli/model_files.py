@@ -95,7 +95,8 @@ def add_model_run_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="BLOCK=WHAT",
         help="what a block of a Simulink model puts out instead, by its name or path: "
-        "'Chart=constant 0', or 'Chart=FILE.csv' with rows of time and values; repeatable",
+        "'Chart=constant 0', 'Chart=constant [0 0 0]', or 'Chart=FILE.csv' with rows of time and "
+        "values; repeatable",
     )
     parser.add_argument(
         "--contact",
@@ -207,6 +208,8 @@ def variables_in(settings: Sequence[str]) -> dict[str, str]:
             name, equals, value = text.partition("=")
             if not (equals and name.strip() and value.strip()):
                 raise InvalidValueError(f"--set {setting} gives no value: write it as L1=0.05")
+            if name.strip() in found:
+                raise InvalidValueError(f"--set gives {name.strip()} twice: keep one of the values")
             found[name.strip()] = value.strip()
     return found
 

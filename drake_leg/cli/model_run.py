@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_leg.arguments import counted
 from drake_leg.cli.mechanisms import about, found_alone, mechanism_in_3d, places_of, taken_from
 from drake_leg.cli.model_files import opened, replacements_in
 from drake_leg.cli.model_page import check_page, write_page, write_page_of_lacks
@@ -77,8 +78,8 @@ def run_model_file(chosen: argparse.Namespace) -> int:
             recording.write_csv(scratch / "recording.csv")
             text = json.dumps(summary, indent=2, allow_nan=False)
             (scratch / "summary.json").write_text(f"{text}\n", encoding="utf-8")
-        rows = f"{summary['rows']} rows, {summary['real_time_factor']:.3g} x real time"
-        print(f"wrote {folder.path}: {len(columns)} columns, {rows}")
+        size = f"{counted(len(columns), 'column')}, {counted(summary['rows'], 'row')}"
+        print(f"wrote {folder.path}: {size}, {summary['real_time_factor']:.3g} x real time")
     try:
         with at_work(chosen.name, "pictures"):
             if formats:

@@ -50,7 +50,7 @@ def configure_sdf(parser: argparse.ArgumentParser) -> None:
         "SYMORO. Of a Simulink model, write the mechanism, proved to be that of its blocks: "
         "masses, inertias and frames."
     )
-    add_robot_source(parser)
+    add_robot_source(parser, models=True)
     add_model_options(parser)
     add_feature_option(parser)
     instead = parser.add_mutually_exclusive_group()

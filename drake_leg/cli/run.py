@@ -59,7 +59,8 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Carry out one run and write recording.csv (its rows are the integrator's "
         "own steps, at most 40 ms apart), summary.json and figures into DIR. A Simulink model "
-        "runs for as long as its file says, and what its scopes show is recorded."
+        "runs for as long as its file says, and what its scopes show is recorded, at 501 times "
+        "that divide the run evenly."
     )
     parser.epilog = (
         "Lists are written with commas: --q0 -90,50,90. An option that a run does not "

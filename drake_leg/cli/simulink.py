@@ -177,7 +177,11 @@ def _with_values(
 def _model_and_run(chosen: argparse.Namespace) -> Comparison:
     """Compare a model with a run's diagram, as the run's options make it."""
     letters = None if chosen.name in RUNS else chosen.numbers
-    kind = run_kind(named_or_robot(chosen.name, letters))
+    try:
+        kind = run_kind(named_or_robot(chosen.name, letters))
+    except InvalidValueError as error:
+        error.advice += f"{'; ' * bool(error.advice)}another model is a file that ends in .slx"
+        raise
     options = options_of(kind, chosen)
     _refuse_options_of_runs(kind, options, chosen)
     from drake_leg.simulink.compare.compare import LiveModel, compare

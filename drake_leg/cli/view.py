@@ -72,7 +72,7 @@ def configure_view(parser: argparse.ArgumentParser) -> None:
         "stands as it starts, at the state targets of its joints, its loops closed."
     )
     parser.epilog = LEAVING
-    add_robot_source(parser)
+    add_robot_source(parser, models=True)
     add_posture(parser)
     add_model_options(parser)
     add_feature_option(parser)

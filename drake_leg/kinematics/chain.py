@@ -18,7 +18,7 @@ from typing import Self
 
 import numpy as np
 
-from drake_leg.arguments import shown
+from drake_leg.arguments import counted, shown
 from drake_leg.errors import InvalidValueError, SingularConfigurationError
 from drake_leg.kinematics import khalil
 from drake_leg.kinematics.differentiable import DifferentiableChain
@@ -364,10 +364,11 @@ def joint_positions(
     values, count = real_numbers(what, q), len(robot.moving)
     if values.ndim != 1:
         found = f"has shape {values.shape}" if values.ndim else f"is {shown(q)}"
-        raise InvalidValueError(f"{what} {found}; it must be {count} joint positions")
+        raise InvalidValueError(f"{what} {found}; it must be {counted(count, 'joint position')}")
     if not (least or count) <= len(values) <= count:
         raise InvalidValueError(
-            f"{what} has {len(values)} numbers; {robot.name} has {count} joint positions"
+            f"{what} has {counted(len(values), 'number')}; {robot.name} has "
+            f"{counted(count, 'joint position')}"
         )
     positions: list[float] = one_vector(what, values, len(values)).tolist()
     require_radians(positions, robot.moving)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from drake_leg.arguments import is_number, require_kind, shown
+from drake_leg.arguments import counted, is_number, require_kind, shown
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.robot.joint_mechanics import JointMechanics, starting_posture
 
@@ -216,7 +216,8 @@ def _positions(robot: Robot, q: Sequence[float] | None) -> dict[int, float]:
     moving = [row for row, one in enumerate(robot.rows, start=1) if one.joint != "fixed"]
     if len(posture) != len(moving):
         raise InvalidValueError(
-            f"q has {len(posture)} numbers; {robot.name} has {len(moving)} joint positions"
+            f"q has {counted(len(posture), 'number')}; {robot.name} has "
+            f"{counted(len(moving), 'joint position')}"
         )
     if not all(map(math.isfinite, posture)):
         raise InvalidValueError(f"q is {shown(posture)}; it must be finite numbers")

@@ -31,6 +31,9 @@ class Linked:
     block: Element | None = None
 
 
+NO_FILE = "there is no file"
+
+
 class Libraries:
     """Finds files by their names: beside the model, then in folders with all folders inside.
 
@@ -92,7 +95,7 @@ class Libraries:
         stem = Path(name).stem
         place = self._place(stem) if _NAME.fullmatch(stem) else None
         if place is None:
-            raise InvalidValueError(f"there is no file {stem[:63]}.slx")
+            raise InvalidValueError(f"{NO_FILE} {stem[:63]}.slx")
         if place not in self._files:
             self._files[place] = SimulinkFile(place)
         return self._files[place]

@@ -11,6 +11,7 @@ from functools import lru_cache, partial
 from drake_leg.errors import GIVE_A_VALUE, InvalidValueError, UnknownValueError
 from drake_leg.simulink.catalogue import Parameter, known_parameters
 from drake_leg.simulink.diagram import DrawnBlock
+from drake_leg.simulink.linking import NO_FILE
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.program import in_shape, value
 from drake_leg.simulink.model import Parameters, Value
@@ -222,6 +223,12 @@ def _signs(inputs: str) -> str:
 
 
 _LIBRARIES = "Simulink, Simscape and Simscape Multibody"
+_OF_SIGNALS = (  # libraries of products that are in no model's folder, in small letters
+    "simulink", "simulink_extras", "signaleditorblocklib", "robotmaniplib", "robotmobilelib",
+    "robotroslib", "uavalgslib", "mpclib", "visionlib", "fuzblock", "vrlib", "slcontrollib",
+    "dspsigops", "dspsrcs4", "dspstat3", "dsparch4", "arduinolib",
+)  # fmt: skip
+_OF_PHYSICS = ("fl_lib", "sm_lib", "ee_lib", "sdl_lib", "sh_lib", "powerlib", "elec_lib")
 
 
 def why_unknown(block: DrawnBlock) -> str:
@@ -240,6 +247,13 @@ def why_unknown(block: DrawnBlock) -> str:
         )
     if known_parameters(block.type, block.source) is not None:
         return ""
+    library = block.source.partition("/")[0].lower()
+    if block.unlinked.startswith(NO_FILE) and library in (*_OF_SIGNALS, *_OF_PHYSICS):
+        signals = "let `replace` say what it puts out instead"
+        return (
+            f"{block} is {block.source!r} of a product, which is not computed here: "
+            f"{signals if library in _OF_SIGNALS else 'comment it out'}"
+        )
     if block.type == "Reference":
         return (
             f"{block} comes from {block.source!r}, which is not a known block of {_LIBRARIES}, "
@@ -248,5 +262,5 @@ def why_unknown(block: DrawnBlock) -> str:
         )
     return (
         f"{block} is of type {block.type!r}, which is not a known block of {_LIBRARIES}: "
-        "replace it, or comment it out"
+        "let `replace` say what it puts out instead"
     )

@@ -13,6 +13,9 @@ from drake_leg.simulink.wiring import is_leaf, is_open
 SHOWN = 5  # paths in a sentence
 
 
+_LISTED = "`drake-leg inspect` with `blocks` lists them"
+
+
 def block_named(model: Model, name: str, *, among: Iterable[Block], aim: str) -> Block:
     """Find the block of a path, or of a name that only one block has.
 
@@ -28,7 +31,7 @@ def block_named(model: Model, name: str, *, among: Iterable[Block], aim: str) ->
         names = dict.fromkeys(each for block in blocks for each in (block.name, block.path))
         raise InvalidValueError(
             f"there is no {aim.partition(' ')[0]} {name!r} {aim.partition(' ')[2]}",
-            advice=did_you_mean(name, filter(None, names), "`drake-leg inspect` lists them"),
+            advice=did_you_mean(name, filter(None, names), _LISTED),
         )
     if len(named) > 1:
         paths = [repr(block.path) for block in named[:SHOWN]]

@@ -54,6 +54,13 @@ def test_all_that_is_missing_is_said_with_the_file(here, capsys):
     assert [path.name for path in here.iterdir()] == ["m.slx"]
 
 
+def test_a_value_is_set_once(here, capsys):
+    pendulum().set("Rod", Density="rho").write(here / "m.slx")
+    for words in (("--set", "rho=1", "--set", "rho=2"), ("--set", "rho=1,rho=2")):
+        status, _, err = run(capsys, "sdf", "m.slx", *words)
+        assert (status, err) == (2, "drake-leg: --set gives rho twice: keep one of the values\n")
+
+
 def test_values_come_from_the_script_that_a_person_would_run(here, capsys):
     pendulum().set("Rod", Density="rho").write(here / "m.slx")
     assert run(capsys, "sdf", "m.slx", "--set", "rho=500")[0] == 0

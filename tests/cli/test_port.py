@@ -55,10 +55,22 @@ def test_a_mechanism_lies_beside_the_script(port, tmp_path):
     assert port(pendulum(), "--overwrite")[0] == 0
 
 
+def test_a_script_overwrites_no_recording_unasked(port, tmp_path, capsys, monkeypatch):
+    assert port(oscillator())[0] == 0
+    (tmp_path / "ported").mkdir()
+    (tmp_path / "ported" / "recording.csv").write_text("mine", encoding="utf-8")
+    monkeypatch.setattr(sys, "argv", ["alone.py", "ported"])
+    with pytest.raises(SystemExit):
+        runpy.run_path("alone.py", run_name="__main__")
+    assert "ported has a recording: name another, or add --overwrite" in capsys.readouterr().err
+    assert (tmp_path / "ported" / "recording.csv").read_text(encoding="utf-8") == "mine"
+
+
 def test_what_cannot_be_ported_is_said(port, tmp_path):
     assert port(charted())[::2] == (
         2,
-        "drake-leg: m.slx: block 'Chart' (SID 2) is a Chart, which does not run: replace it\n",
+        "drake-leg: m.slx: block 'Chart' (SID 2) is a Chart, which does not run: let --replace say "
+        "what it puts out instead\n",
     )
     assert port(charted(), "--replace", "Chart=constant 1")[0] == 0
     assert main(["port", "leg-b", "--out", "leg.py"]) == 2

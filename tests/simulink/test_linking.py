@@ -212,3 +212,16 @@ def test_libraries_that_multiply_stop_at_a_number(tmp_path, monkeypatch):
         builder.write(tmp_path / f"l{level}.slx")
     with pytest.raises(InvalidValueError, match="more than 500 blocks"):
         read_model(user("Reference", source="l11/L11").write(tmp_path / "m.slx"))
+
+
+@pytest.mark.parametrize(
+    ("source", "remedy"),
+    [
+        ("simulink/Sources/Novel", "let `replace` say what it puts out instead"),
+        ("ee_lib/Novel", "comment it out"),
+    ],
+)
+def test_a_block_of_a_product_is_not_asked_for_as_a_file(tmp_path, source, remedy):
+    path = user("Reference", source=source).write(tmp_path / "m.slx")
+    with pytest.raises(InvalidValueError, match=f"of a product, .* computed here: {remedy}"):
+        read_understood(path)

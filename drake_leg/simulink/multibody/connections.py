@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 from scipy.cluster.hierarchy import DisjointSet
 
+from drake_leg.arguments import with_article
 from drake_leg.errors import (
     InvalidValueError,
     MissingThingsError,
@@ -234,8 +235,8 @@ class _Reading:
             self._problems[block.unknown] = None
         elif block.kind not in KNOWN:
             self._problems[
-                f"the block {block.name!r} (SID {block.sid}) is a {block.kind}, which is not "
-                "built: replace it by blocks that are"
+                f"the block {block.name!r} (SID {block.sid}) is {with_article(block.kind)}, "
+                "which is not built: replace it by blocks that are"
             ] = None
 
     def _at_world(self, block: Block) -> list[Rigid]:

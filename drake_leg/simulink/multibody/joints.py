@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from drake_leg.arguments import with_article
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.catalogue import PRIMITIVES
 from drake_leg.simulink.mechanism import pose, rotation_of
@@ -91,8 +92,8 @@ def primitives_of(block: Block) -> tuple[Primitive, ...]:
     names = SINGLE.get(block.kind) or PRIMITIVES.get(block.kind)
     if names is None:
         raise InvalidValueError(
-            f"the block {block.name!r} (SID {block.sid}) is a {block.kind}, which is not built: "
-            "replace it by joints and constraints that are"
+            f"the block {block.name!r} (SID {block.sid}) is {with_article(block.kind)}, which is "
+            "not built: replace it by joints and constraints that are"
         )
     return tuple(_primitive(block, name) for name in names.split())
 

@@ -10,6 +10,7 @@ from pathlib import Path, PureWindowsPath
 
 import numpy as np
 
+from drake_leg.arguments import quoted, with_article
 from drake_leg.errors import InvalidValueError, UnknownValueError, UnplacedFeatureError
 from drake_leg.simulink.model import Block, invalid_parameter, is_on, vector
 from drake_leg.simulink.multibody import mass
@@ -167,7 +168,8 @@ class FileShape:
     def _without(self, why: str, advice: str = "") -> InvalidValueError:
         custom = "set its inertia to Custom, with the numbers of its CAD program"
         return InvalidValueError(
-            f"it has its mass from the geometry of {self.file!r}, {why}", advice=advice or custom
+            f"it has its mass from the geometry of {quoted(self.file)}, {why}",
+            advice=advice or custom,
         )
 
     @property
@@ -438,8 +440,8 @@ def _shape(
             file=file, unit=float(unit.factor), own_unit=own_unit, place=place, placed=placed
         )
     raise InvalidValueError(
-        f"the block {block.name!r} (SID {block.sid}) is a {block.kind} {kind}, which is not built: "
-        "replace it by a solid of another shape"
+        f"the block {block.name!r} (SID {block.sid}) is {with_article(block.kind)} {kind}, "
+        "which is not built: replace it by a solid of another shape"
     )
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from drake_leg.arguments import with_article
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block, split_port
 from drake_leg.simulink.networks import drives, electrical, mechanical  # noqa: F401 - fill KINDS
@@ -168,8 +169,8 @@ def _strangers(
     return [
         InvalidValueError(
             block.unknown
-            or f"block {block.name!r} (SID {block.sid}) is a {block.kind}, which is not computed "
-            "in a network: replace it"
+            or f"block {block.name!r} (SID {block.sid}) is {with_article(block.kind)}, which is "
+            "not computed in a network: replace it"
         )
         for block in others
     ]

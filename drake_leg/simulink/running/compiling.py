@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_leg.arguments import with_article
 from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.dynamics.ports import Bus
 from drake_leg.simulink.lacks import Lack, lacks_of_block
@@ -204,8 +205,8 @@ def _without_kind(network: SignalNetwork) -> list[str]:
         if kind_of(node) is None and (node.read or node.block.unknown):
             problems[
                 node.block.unknown
-                or f"block {node.block.name!r} (SID {sid}) is a {node.block.kind}, which does not "
-                "run: replace it"
+                or f"block {node.block.name!r} (SID {sid}) is {with_article(node.block.kind)}, "
+                "which does not run: let `replace` say what it puts out instead"
             ] = None
     return list(problems)
 

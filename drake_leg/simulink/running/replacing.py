@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from drake_leg.arguments import with_article
 from drake_leg.errors import InvalidValueError
 from drake_leg.files import read_text
 from drake_leg.simulink.model import Block, Model, Parameters
@@ -63,8 +64,8 @@ def _block_of(model: Model, name: str) -> Block:
     is_physical = block.unknown and any(_sid(port) == block.sid for n in model.nodes for port in n)
     if is_physical or block.source.startswith(PHYSICAL):
         raise InvalidValueError(
-            f"the block {name!r} is a {block.kind}, which is physical: only blocks of signals can "
-            "be replaced"
+            f"the block {name!r} is {with_article(block.kind)}, which is physical: only blocks "
+            "of signals can be replaced"
         )
     return block
 

@@ -8,7 +8,7 @@ from time import monotonic
 
 import numpy as np
 
-from drake_leg.arguments import checked
+from drake_leg.arguments import checked, with_article
 from drake_leg.errors import InvalidValueError, MissingThingsError, UnknownValueError
 from drake_leg.progress import interrupts_kept
 from drake_leg.simulation.integrator import require_accuracy
@@ -240,8 +240,8 @@ def _require_known(model: Model, network: SignalNetwork, ports: Ports, solve_loo
     for port in unknown:
         block = blocks[split_port(port)[0]]
         problem = block.unknown or (
-            f"block {block.name!r} (SID {block.sid}) is a {block.kind}, whose output at "
-            f"{port.partition('#')[2]} is not computed here: disconnect it"
+            f"block {block.name!r} (SID {block.sid}) is {with_article(block.kind)}, whose output "
+            f"at {port.partition('#')[2]} is not computed here: disconnect it"
         )
         found[problem] = None
     if found:

@@ -247,7 +247,7 @@ def test_all_that_does_not_run_is_one_list(tmp_path):
     said = str(error.value)
     assert said.startswith("10 things are missing")
     assert said.count("give a value of gain (1 more needs it)") == 1
-    assert "'mine' (SID 1) is a S-Function" in said
+    assert "'mine' (SID 1) is an S-Function" in said
     assert "'queue'" in said
     assert "loop: 'a' (SID" in said
     names = ("gain", "x0", "swing", "speed", "lag", "p", "q")
@@ -529,7 +529,7 @@ def test_a_physical_block_of_an_unknown_library_is_no_signal_to_replace(tmp_path
     stop = rig.add_library("fl_lib/Stop", "stop", ports={"LConn": 1})
     rig.physical(f"{port}#rconn:1", f"{stop}#lconn:1")
     model = read_model(rig.write(tmp_path / "rig.slx"))
-    with pytest.raises(InvalidValueError, match="'interface' is a Interface, which is physical"):
+    with pytest.raises(InvalidValueError, match="'interface' is an Interface, which is physical"):
         runnable(model, replace={"interface": "constant 0"})
 
 

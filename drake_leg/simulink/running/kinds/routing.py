@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_leg.arguments import counted
 from drake_leg.simulink.running.code import CONTINUOUS, Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.settings import as_signal, flat, shape_of
@@ -83,7 +84,10 @@ def demux(w: Writer) -> None:
         count = asked[0]
         least, more = divmod(u.size, count)
         if not least:
-            raise w.fault(f"takes {u.size} numbers apart into {count} outputs")
+            raise w.fault(
+                f"takes {counted(u.size, 'number')} apart into {count} outputs: let what feeds it "
+                f"put out {count} at least, as a constant [0 0 0] has 3"
+            )
         widths = [least + (place < more) for place in range(count)]
         wanted = [w.pen.asked.get(port, 0) for port in w.node.outputs]
         if all(wanted) and sum(wanted) == u.size:
@@ -96,7 +100,10 @@ def demux(w: Writer) -> None:
             share, more = divmod(rest, len(open_ends))
             widths[place] = share + (number < more)
     if sum(widths) != u.size:
-        raise w.fault(f"takes {u.size} numbers apart into outputs of {widths}")
+        raise w.fault(
+            f"takes {counted(u.size, 'number')} apart into outputs of {widths}: let what feeds it "
+            f"put out {sum(widths)}, as a constant [0 0 0] has 3"
+        )
     first = 0
     for place, width in enumerate(widths):
         if width == 1:

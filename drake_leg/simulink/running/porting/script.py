@@ -284,8 +284,14 @@ class _Writing:
             "help='of the run [s] (default %(default)s)')",
             4,
         )
+        yield "    parser.add_argument("
+        yield "        '--overwrite', action='store_true', help='replace an earlier recording'"
+        yield "    )"
         yield "    given = parser.parse_args()"
-        yield "    folder, done = given.folder, run(given.duration)"
+        yield "    folder = given.folder"
+        yield '    if (folder / "recording.csv").exists() and not given.overwrite:'
+        yield '        parser.error(f"{folder} has a recording: name another, or add --overwrite")'
+        yield "    done = run(given.duration)"
         yield "    shown = [each.values for each in done.shown]"
         if mechanism is not None:
             count = mechanism.plant.num_positions()
