@@ -111,6 +111,12 @@ def add_model_run_options(parser: argparse.ArgumentParser) -> None:
         help="solve the algebraic loops of a Simulink model by Newton's method at every "
         "evaluation, even if its file does not let Simulink solve them",
     )
+    parser.add_argument(
+        "--leave-out",
+        action="store_true",
+        help="run a Simulink model without its belts, pulleys and other constraints that are not "
+        "computed: its motion is then another, which is said",
+    )
 
 
 def refuse_model_run_options(chosen: argparse.Namespace) -> None:
@@ -120,6 +126,7 @@ def refuse_model_run_options(chosen: argparse.Namespace) -> None:
             "--replace": bool(chosen.replace),
             "--contact": chosen.contact is not None,
             "--solve-loops": chosen.solve_loops,
+            "--leave-out": chosen.leave_out,
         },
         "is for Simulink models and means nothing here",
     )

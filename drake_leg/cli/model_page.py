@@ -138,4 +138,6 @@ def _command(chosen: argparse.Namespace) -> str:
             words += [f"--{name}", str(value)]
     if chosen.solve_loops:
         words.append("--solve-loops")
+    if chosen.leave_out:
+        words.append("--leave-out")
     return shlex.join([*words, "--page", str(chosen.page)])

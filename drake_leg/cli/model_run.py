@@ -71,6 +71,7 @@ def run_model_file(chosen: argparse.Namespace) -> int:
     _require_mechanism(chosen, ready)
     require_meant(chosen, ready)
     pictures = Pictures()
+    at_once = _warned_of(ready)
     with saved() as hold:
         run = _carried_out(ready, chosen.name, accuracy, hold)
         columns, recording, summary = _results(model, ready, run, said, chosen)
@@ -95,8 +96,19 @@ def run_model_file(chosen: argparse.Namespace) -> int:
         print(f"wrote {path}")
     pictures.print_failures()
     for sentence in summary["remarks"]:
-        remark(sentence)
+        if sentence not in at_once:
+            remark(sentence)
     return _status(run, ready, folder, pictures)
+
+
+def _warned_of(ready: Runnable) -> list[str]:
+    """Say before the run where its motion is not that of the model."""
+    from drake_leg.simulink.running.left_out import motion_of_another
+
+    said = [*motion_of_another(ready.left_out)]
+    for sentence in said:
+        remark(sentence)
+    return said
 
 
 def _page_of_lacks(
@@ -158,7 +170,13 @@ def runnable_file(
     def ready_to_run(model: Model, said: list[str]) -> Runnable:
         if read is not None:
             read.append((model, said))
-        return runnable(model, duration=duration, contact=contact, solve_loops=solves)
+        return runnable(
+            model,
+            duration=duration,
+            contact=contact,
+            solve_loops=solves,
+            leave_out=chosen.leave_out,
+        )
 
     with about(path), at_work(chosen.name, "the model is read"):
         model = with_init()
@@ -166,7 +184,7 @@ def runnable_file(
         try:
             ready = ready_to_run(model, said)
         except InvalidValueError:
-            if chosen.init:
+            if chosen.init or model.is_library:
                 raise
             model, used = with_scripts(model, with_init, _lacks)
             said = taken_from(used)
@@ -191,7 +209,9 @@ def _require_mechanism(chosen: argparse.Namespace, ready: Runnable) -> None:
 
 
 def require_meant(chosen: argparse.Namespace, ready: Runnable) -> None:
-    """Refuse a law of contact without a mechanism, and a way to solve loops without one."""
+    """Refuse options about contacts, loops and constraints where the model has none."""
+    from drake_leg.simulink.running.left_out import without_constraints
+
     if ready.diagram.mechanism is None:
         refuse_ignored(
             {"--contact": chosen.contact is not None}, "is for mechanisms, and this model has none"
@@ -200,6 +220,11 @@ def require_meant(chosen: argparse.Namespace, ready: Runnable) -> None:
         refuse_ignored(
             {"--solve-loops": chosen.solve_loops},
             "is for algebraic loops, and this model has none",
+        )
+    if not any(without_constraints(ready.left_out)):
+        refuse_ignored(
+            {"--leave-out": chosen.leave_out},
+            "is for constraints that are not computed, and this model has none",
         )
 
 

@@ -51,6 +51,7 @@ def _port(chosen: argparse.Namespace) -> int:
         raise InvalidValueError(f"{path} is no Simulink model: give a file that ends in .slx")
     duration, accuracy = (positive(chosen, name) for name in ("duration", "accuracy"))
     check_file(out, endings=(".py",), overwrite=chosen.overwrite)
+    from drake_leg.simulink.running.left_out import motion_of_another
     from drake_leg.simulink.running.porting import data_name, ported
 
     beside = out.with_name(data_name(out.stem))
@@ -68,6 +69,6 @@ def _port(chosen: argparse.Namespace) -> int:
     print(f"wrote {out}: {lines} lines, whose diagram puts out the same as the model at the start")
     if script.data:
         print(f"wrote {beside}")
-    for sentence in said:
+    for sentence in (*motion_of_another(ready.left_out), *said):
         remark(sentence)
     return 0

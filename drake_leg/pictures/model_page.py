@@ -24,11 +24,13 @@ from drake_leg.simulink.listing import NotUnderstood, not_understood, some_of
 from drake_leg.simulink.matlab.data import Cell, Struct, Structs
 from drake_leg.simulink.model import Model
 from drake_leg.simulink.multibody.bodies import Mechanism
+from drake_leg.simulink.running.left_out import motion_of_another
 from drake_leg.simulink.running.summary import skipped_in, solver_of
 
 MOST_ROWS = 80  # of a table
 MOST_SOURCES = 4  # of values, by name
 LONGEST = 60  # letters of a value
+_SID = re.compile(r"\(SID ([^)\s]+)\)")
 SHORT_ARRAY = 12  # numbers that are written out
 
 
@@ -59,6 +61,7 @@ class _Page:
     verdict: str
     state: str  # ran, stopped, lacks
     missing: Sequence[str]
+    left_out: str  # what acts in the model and not in its run; "" where nothing does
     facts: Sequence[tuple[str, str]]
     lacks: str  # how many things are not understood; "" if all are
     still_caption: str
@@ -105,18 +108,22 @@ def model_page(
     lacking = not_understood(model)  # evaluates all values, so that all that is used is known
     drawings, not_drawn = _drawings(model)
     verdict, state = _verdict(summary, missing)
+    left_out: Mapping[str, Sequence[str]] = summary["left_out"] if summary else {}
+    untold = [] if model.is_library else _untold(missing, lacking)
+    count = lacking.count + len(untold) + sum(map(len, left_out.values()))
     page = _Page(
         title=printable(model.name),
         verdict=verdict,
         state=state,
         missing=missing if len(missing) > 1 else (),
+        left_out="".join(f"T{said[1:]}." for said in motion_of_another(left_out)),
         facts=[*_facts(model, mechanism, summary)],
-        lacks=_counted(lacking.count, "thing") if lacking.count else "",
+        lacks=_counted(count, "thing") if count else "",
         still_caption=still.caption if still else "",
         not_drawn=not_drawn,
-        kinds=Counter(printable(block.kind) for block in model.blocks).most_common(),
+        kinds=_kinds(model, lacking, left_out, untold).most_common(),
         understood=[*_understood(model, summary)],
-        not_understood=[*_not_understood(lacking)],
+        not_understood=[*_not_understood(lacking, left_out, untold)],
         notes=[*_notes(model, summary, notes)],
         command=command,
     )
@@ -253,7 +260,38 @@ def _understood(model: Model, summary: Mapping[str, Any] | None) -> Iterator[Par
         yield _part("Values", ("variable", "value", "source"), rows)
 
 
-def _not_understood(lacking: NotUnderstood) -> Iterator[Part]:
+def _untold(missing: Sequence[str], lacking: NotUnderstood) -> list[str]:
+    """Choose what a run lacks of blocks whose kinds and values are known, or of no block."""
+    return [one for one in missing if not (sids := _sids(one)) or sids - lacking.sids]
+
+
+def _sids(sentence: str) -> set[str]:
+    return set(_SID.findall(sentence))
+
+
+def _kinds(
+    model: Model,
+    lacking: NotUnderstood,
+    left_out: Mapping[str, Sequence[str]],
+    untold: Sequence[str],
+) -> Counter[str]:
+    """Count the blocks of each kind, without those that are not understood or not run."""
+    gone = {sid for sentence in untold for sid in _sids(sentence)} - lacking.sids
+    return Counter(
+        printable(block.kind)
+        for block in model.blocks
+        if not (block.unknown or block.sid in gone or block.name in left_out.get(block.kind, ()))
+    )
+
+
+def _not_understood(
+    lacking: NotUnderstood, left_out: Mapping[str, Sequence[str]], untold: Sequence[str]
+) -> Iterator[Part]:
+    if left_out:
+        rows = [(kind, printable(some_of(names))) for kind, names in left_out.items()]
+        yield _part("Left out of the motion", ("kind", "blocks"), rows)
+    if untold:
+        yield _part("Missing for a run", ("reason",), [(printable(one),) for one in untold])
     for title, head, found in (
         ("Kinds of blocks", ("kind", "blocks"), lacking.kinds),
         ("Names without a value", ("name", "used by"), lacking.names),

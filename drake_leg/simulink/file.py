@@ -106,6 +106,11 @@ class SimulinkFile:
         """Whether it is a model, not a library or a subsystem, which others lend their values."""
         return self._holder is None or self._holder.tag == "Model"
 
+    @property
+    def is_library(self) -> bool:
+        """Whether it holds blocks for other models."""
+        return self._holder is not None and self._holder.tag == "Library"
+
     @cached_property
     def _holder(self) -> Element | None:
         """The element of the model, library or subsystem as a whole."""

@@ -138,6 +138,7 @@ class NotUnderstood:
     kinds: Mapping[str, Sequence[str]]  # of blocks, to the blocks
     names: Mapping[str, Sequence[str]]  # without a value, to what uses them
     others: Sequence[str]  # sentences
+    sids: frozenset[str]  # of the blocks of all these
 
 
 def not_understood(model: Model) -> NotUnderstood:
@@ -155,7 +156,13 @@ def not_understood(model: Model) -> NotUnderstood:
                 names.setdefault(name, []).append(f"{at} {lack.parameter}")
         else:
             others.append(lack.reason)
-    return NotUnderstood(count=len(lacks), kinds=kinds, names=names, others=others)
+    return NotUnderstood(
+        count=len(lacks),
+        kinds=kinds,
+        names=names,
+        others=others,
+        sids=frozenset(lack.sid for lack in lacks if lack.sid),
+    )
 
 
 def _lacking(model: Model) -> list[str]:

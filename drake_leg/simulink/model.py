@@ -125,6 +125,7 @@ class Model:
     solver: Mapping[str, Value]  # StopTime [s], Solver, RelTol, MaxStep, ...
     variables: Variables | None = field(default=None, compare=False, repr=False)
     features: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # that were placed
+    is_library: bool = False  # of blocks for other models
 
 
 @lru_cache(maxsize=MOST_PORTS)

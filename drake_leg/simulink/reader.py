@@ -185,6 +185,7 @@ def _model(
         functions=tuple(diagram.functions),
         solver=_solver(file.configuration, Scope(variables)),
         variables=variables,
+        is_library=file.is_library,
     )
 
 

@@ -49,7 +49,8 @@ ALWAYS = {
     "sdf": {"--toml", "--par", "--out"},
     "check": {"--printed", "--json"},
     "port": {"--path", "--init", "--variant", "--feature", "--set", "--replace", "--duration",
-             "--accuracy", "--out", "--overwrite", "--contact", "--solve-loops"},
+             "--accuracy", "--out", "--overwrite", "--contact", "--solve-loops",
+             "--leave-out"},
     "inspect": {"--blocks", "--json", "--path", "--init", "--variant"},
     "compare": OF_RUNS | {"--path", "--init", "--variant", "--feature", "--json", "--strict",
                           "--frequency", "--direction", "--gain"},
@@ -113,7 +114,7 @@ MEANINGLESS = [
         ("run", f"leg-b {option}", "is for Simulink models and means nothing here")
         for option in ("--path .", "--init a.m", "--variant A=B", "--feature a.step:f=1,2,3",
                        "--contact smooth",
-                       "--solve-loops", "--replace A=b.csv", "--page a.html")
+                       "--solve-loops", "--leave-out", "--replace A=b.csv", "--page a.html")
     ),
     ("run", f"{MODEL} --config a.yaml", "means nothing to a Simulink model"),
     ("run", f"{MODEL} --amplitude 0.05", "means nothing to a Simulink model"),
@@ -203,6 +204,7 @@ OF_MODELS = {
     "--feature",
     "--contact",
     "--solve-loops",
+    "--leave-out",
     "--replace",
     "--page",
 }

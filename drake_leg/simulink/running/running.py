@@ -34,6 +34,7 @@ from drake_leg.simulink.running.integrating import (
     is_stiff,
     solver_of,
 )
+from drake_leg.simulink.running.left_out import LeftOut, without_constraints
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
 from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
@@ -100,6 +101,11 @@ class Runnable:
     start: Array | None = None  # what enters the mechanism at the start
     remarks: tuple[str, ...] = ()
 
+    @property
+    def left_out(self) -> LeftOut:
+        """What acts in the model and not here: kinds of blocks, and the names of theirs."""
+        return {} if self.diagram.mechanism is None else self.diagram.mechanism.left_out
+
 
 def has_mechanism(model: Model) -> bool:
     """Tell whether a model has blocks of Simscape Multibody that move or weigh."""
@@ -120,6 +126,7 @@ def runnable(
     contact: Contact = "smooth",
     replace: Mapping[str, str] | None = None,
     solve_loops: bool | None = None,
+    leave_out: bool = False,
 ) -> Runnable:
     """Make a model ready to run.
 
@@ -137,6 +144,9 @@ def runnable(
     solve_loops : bool, optional
         Whether algebraic loops are solved, and not only those with an Algebraic Constraint;
         instead of what the file says.
+    leave_out : bool
+        Whether a mechanism runs without its belts, pulleys and other constraints that are not
+        computed, so that its motion is not that of the model.
 
     Raises
     ------
@@ -145,10 +155,14 @@ def runnable(
     """
     if duration is not None:
         require_non_negative("the duration", duration, "s")
+    if model.is_library:
+        raise InvalidValueError(
+            "it is a library, whose blocks are for other models: run a model that uses them"
+        )
     model = replaced(model, replace or {})
     if solve_loops is None:
         solve_loops = model.solver.get(LOOPS) in _SOLVED
-    mechanism = _mechanism(model, contact, solve_loops)
+    mechanism = _mechanism(model, contact, solve_loops, leave_out)
     network = signal_network(model, mechanism.motions if mechanism else frozenset())
     ports = _ports(mechanism, None)
     try:
@@ -209,17 +223,20 @@ def _ports(mechanism: MechanismSystem | DrivenMechanism | None, u: Array | None)
     )
 
 
-def _mechanism(model: Model, contact: Contact, solve_loops: bool) -> MechanismSystem | None:
+def _mechanism(
+    model: Model, contact: Contact, solve_loops: bool, leave_out: bool
+) -> MechanismSystem | None:
     """Build the mechanism; what it lacks is one list with what the signals lack."""
     if not has_mechanism(model):
         return None
     try:
         where = () if model.variables is None else model.variables.workspace.folders.all
-        return mechanism_dynamics(
+        found = mechanism_dynamics(
             model, contact=contact, where=where, reflected=reflected_of(model)
         )
+        refuse(() if leave_out else [*without_constraints(found.left_out)], A_RUN)
     except InvalidValueError as error:
-        found = error.problems if isinstance(error, MissingThingsError) else (str(error),)
+        problems = error.problems if isinstance(error, MissingThingsError) else (str(error),)
         lacking = [
             *(
                 lack.reason
@@ -229,7 +246,8 @@ def _mechanism(model: Model, contact: Contact, solve_loops: bool) -> MechanismSy
             ),
             *missing_for_run(signal_network(model), solve_loops=solve_loops),
         ]
-        raise MissingThingsError(dict.fromkeys((*found, *lacking)), A_RUN) from None
+        raise MissingThingsError(dict.fromkeys((*problems, *lacking)), A_RUN) from None
+    return found
 
 
 def _require_known(model: Model, network: SignalNetwork, ports: Ports, solve_loops: bool) -> None:

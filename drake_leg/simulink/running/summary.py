@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import MechanismSystem
 from drake_leg.simulink.model import Model, split_port
 from drake_leg.simulink.running.columns import Column
+from drake_leg.simulink.running.left_out import motion_of_another
 from drake_leg.simulink.running.motions import FILTER
 from drake_leg.simulink.running.running import ModelRun, Runnable
 
@@ -39,6 +40,8 @@ def summary_of(
     """Tell what was understood of a model, how it ran, and what was recorded."""
     return {
         "model": model.name,
+        "complete": run.complete and not ready.left_out,
+        "left_out": {kind: [*names] for kind, names in ready.left_out.items()},
         "duration_s": ready.solver["duration"],
         "started_at_s": run.began,
         "ended_at_s": run.ended,
@@ -148,12 +151,11 @@ def _contact(mechanism: MechanismSystem | DrivenMechanism) -> str | None:
 
 def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
     """Say what of a model was skipped or left out, and what runs otherwise than in Simulink."""
+    yield from motion_of_another(ready.left_out)
     skipped = skipped_in(model)
     if skipped:
         more = f"; and {len(skipped) - SHOWN} more" if len(skipped) > SHOWN else ""
         yield f"skipped in scripts and callbacks: {'; '.join(skipped[:SHOWN])}{more}"
-    if ready.diagram.mechanism is not None and ready.diagram.mechanism.left_out:
-        yield f"left out of the mechanism: {_counted(ready.diagram.mechanism.left_out)}"
     if ready.network.entries:
         names = ", ".join(block.name for block in ready.network.entries[:SHOWN])
         more = f" and {len(ready.network.entries) - SHOWN} more"
@@ -193,7 +195,3 @@ def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
         joints = ready.diagram.mechanism is not None
         yield f"{NO_SINK}{', so the joints alone are recorded' if joints else ''}"
     yield from run.remarks
-
-
-def _counted(left_out: Mapping[str, Iterable[str]]) -> str:
-    return ", ".join(f"{kind} ({len(tuple(names))})" for kind, names in left_out.items())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import fields
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from drake_leg.simulink.running.columns import labels_of
 from drake_leg.simulink.running.compiling import Code
 from drake_leg.simulink.running.folding import WIDTH, folded
 from drake_leg.simulink.running.integrating import STEPS, automatic_step
+from drake_leg.simulink.running.left_out import motion_of_another
 from drake_leg.simulink.running.porting.files import Script, data_name, json_lines
 from drake_leg.simulink.running.porting.functions import NotedFolders
 from drake_leg.simulink.running.porting.mechanism import mechanism_data
@@ -134,8 +136,17 @@ class _Writing:
             "It runs without the model's file, and needs drake_leg:\n\n"
             f"    python {self._name}.py DIR --duration SECONDS\n\n"
             "simulates it, and writes what its sinks show into the folder DIR, with figures.\n"
-            '"""\n\n'
+            f'{self._warning()}"""\n\n'
         )
+
+    def _warning(self) -> str:
+        """Say where the motion is not that of the model."""
+        lines = [
+            line
+            for said in motion_of_another(self._ready.left_out)
+            for line in wrap(f"WARNING: {said}.".replace("\\", "/").replace('"', "'"), WIDTH)
+        ]
+        return "".join(f"{line}\n" for line in ["", *lines]) if lines else ""
 
     # --- constants ---
 
