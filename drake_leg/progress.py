@@ -24,6 +24,7 @@ PATIENCE = 1.0  # [s] before the bar appears
 REFRESH = 0.1  # [s] between two updates
 LINES = 10.0  # [s] before the first plain line, and between two lines
 WIDTH = 30  # characters of the bar
+PACED = 5.0  # [s] of work before it is said how long the rest takes
 
 
 class ProgressBar:
@@ -39,6 +40,7 @@ class ProgressBar:
         self._total = total
         self._unit = unit
         self._done = 0.0
+        self._first: tuple[float, float] | None = None  # [s], and how much was done then
         self._stage = ""
         self._shown = False
         self._terminal = stream.isatty()
@@ -58,11 +60,13 @@ class ProgressBar:
     def __call__(self, done: float) -> None:
         """Report how much of the total is done, in its unit."""
         self._done = done
+        self._first = self._first or (time.perf_counter(), done)
         self._show()
 
     def count(self, done: float, total: float) -> None:
         """Report how much is done of a total that is known only now."""
-        self._total = total
+        if total != self._total:
+            self._total, self._first = total, None
         self(done)
 
     def turn_to(self, stage: str) -> None:
@@ -111,7 +115,15 @@ class ProgressBar:
 
     def _line(self, elapsed: float) -> str:
         what = self._stage or self._amount()
-        return f"{self._label}: {what}, at work for {elapsed:.0f} s"
+        return f"{self._label}: {what}, at work for {elapsed:.0f} s{self._rest()}"
+
+    def _rest(self) -> str:
+        """Say how long the rest takes at the pace since the first report, where that is known."""
+        (then, first), now = self._first or (0.0, self._done), time.perf_counter()
+        if self._stage or now - then < PACED or not first < self._done < self._total:
+            return ""
+        left = (now - then) * (self._total - self._done) / (self._done - first)
+        return f", about {_in_words(left)} more at this pace"
 
     def _amount(self) -> str:
         return f"{self._done:.4g} of {self._total:g} {self._unit}"
@@ -121,6 +133,13 @@ class ProgressBar:
         with suppress(OSError, ValueError):
             self._stream.write(text)
             self._stream.flush()
+
+
+def _in_words(seconds: float) -> str:
+    """Write a time to come: seconds, minutes or hours."""
+    if seconds < 100.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.0f} h"
 
 
 # --- time budget -----------------------------------------------------------------------------

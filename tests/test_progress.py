@@ -95,6 +95,16 @@ def test_closing_wipes_it_off(clock):
     assert rest == ""
 
 
+def test_it_says_how_long_the_rest_takes(clock, monkeypatch):
+    monkeypatch.setattr(progress, "LINES", 10.0)
+    stream = io.StringIO()
+    bar = bar_on(stream)
+    bar(0.0)
+    clock.now = 111.0
+    bar(0.1)
+    assert "at work for 11 s, about 36 min more at this pace" in stream.getvalue()
+
+
 def test_off_a_terminal_there_is_a_line_every_ten_seconds(clock, monkeypatch):
     monkeypatch.setattr(progress, "LINES", 10.0)
     stream = io.StringIO()
@@ -104,7 +114,7 @@ def test_off_a_terminal_there_is_a_line_every_ten_seconds(clock, monkeypatch):
         bar(step / 20)
     bar.close()
     lines = stream.getvalue().splitlines()
-    assert lines[0] == "drake-leg: leg-b: 5 of 20 s, at work for 10 s"
+    assert lines[0] == "drake-leg: leg-b: 5 of 20 s, at work for 10 s, about 30 s more at this pace"
     assert len(lines) == 3
 
 

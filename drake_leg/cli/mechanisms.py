@@ -16,8 +16,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.files import ResultsFolder, check_file, write_text
 
 if TYPE_CHECKING:
-    from pydrake.systems.framework import Diagram
-
+    from drake_leg.scene.shown_plant import ShownPlant
     from drake_leg.simulink.multibody.bodies import Mechanism
     from drake_leg.simulink.multibody.mass import Array
     from drake_leg.simulink.multibody.meshes import Meshes
@@ -89,9 +88,23 @@ def _remark_hidden(meshes: Meshes) -> None:
             f"not shown, as they are neither beside the model nor in a folder that --path names: "
             f"{_some(meshes.missing)}"
         )
+    for sentence in _unread(meshes):
+        remark(sentence)
+
+
+def _unread(meshes: Meshes) -> Iterator[str]:
     if meshes.unread:
         reasons = set(meshes.unread.values())
-        remark(f"not shown: {_some(list(meshes.unread))} ({'; '.join(sorted(reasons))})")
+        yield f"not shown: {_some(list(meshes.unread))} ({'; '.join(sorted(reasons))})"
+
+
+def _absent(meshes: Meshes, bare: Sequence[str]) -> Iterator[str]:
+    """Say in a picture which shapes it lacks, and of which bodies it shows rods instead."""
+    if meshes.missing:
+        yield f"not shown, as no such file was found: {_some(meshes.missing)}"
+    yield from _unread(meshes)
+    if bare:
+        yield f"rods stand for bodies without shapes: {_some(bare)}"
 
 
 def _some(names: Sequence[str]) -> str:
@@ -185,7 +198,7 @@ def remarks_on_places(mechanism: Mechanism) -> Iterator[str]:
 
 
 @contextmanager
-def shown_mechanism(path: Path, chosen: argparse.Namespace) -> Iterator[object]:
+def shown_mechanism(path: Path, chosen: argparse.Namespace) -> Iterator[ShownPlant]:
     """Yield a model's mechanism as something to be shown, at its state targets."""
     mechanism = read_mechanism(path, chosen)
     for sentence in remarks_on_places(mechanism):
@@ -195,8 +208,11 @@ def shown_mechanism(path: Path, chosen: argparse.Namespace) -> Iterator[object]:
 
 
 @contextmanager
-def mechanism_in_3d(mechanism: Mechanism, places: Sequence[Path]) -> Iterator[Diagram]:
-    """Yield a diagram of a mechanism's plant and its shapes, while their files exist."""
+def mechanism_in_3d(
+    mechanism: Mechanism, places: Sequence[Path], *, title: str | None = None
+) -> Iterator[ShownPlant]:
+    """Yield a mechanism's plant and its shapes, to be shown while their files exist."""
+    from drake_leg.scene.shown_plant import shown
     from drake_leg.simulink.multibody.meshes import write_meshes
     from drake_leg.simulink.multibody.plant import mechanism_scene
 
@@ -204,4 +220,7 @@ def mechanism_in_3d(mechanism: Mechanism, places: Sequence[Path]) -> Iterator[Di
         meshes = write_meshes(mechanism, Path(folder), places)
         _remark_hidden(meshes)
         paths = {solid: Path(folder) / name for solid, name in meshes.names.items()}
-        yield mechanism_scene(mechanism, paths)
+        found = shown(mechanism_scene(mechanism, paths), title=title)
+        found.shows_frames = False  # a stranger's parts have many, and others in mind
+        found.notes = tuple(_absent(meshes, found.bare()))
+        yield found

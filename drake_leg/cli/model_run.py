@@ -308,7 +308,7 @@ def _write_shows(
     if not (chosen.stills or shows_of(chosen)):
         return []
     from drake_leg.scene.media import still, write_show
-    from drake_leg.scene.scene import VIEWS
+    from drake_leg.scene.views import VIEWS
 
     made: list[Path] = []
     with (
@@ -358,14 +358,12 @@ def _motion(
 ) -> Iterator[PlantMotion]:
     """Yield how the mechanism moved, as something to be shown."""
     from drake_leg.scene.scene import PlantMotion
-    from drake_leg.scene.shown_plant import shown
     from drake_leg.simulink.multibody.bodies import mechanism_of
     from drake_leg.simulink.running.replaying import positions_of
 
     assert ready.diagram.mechanism is not None
     places = places_of(Path(chosen.name), chosen)
-    with mechanism_in_3d(mechanism_of(model), places) as scene:
-        what = shown(scene, title=model.name)
+    with mechanism_in_3d(mechanism_of(model), places, title=model.name) as what:
         time, q = positions_of(run, ready.diagram.mechanism.plant, what.plant)
         yield PlantMotion(shown=what, time=time, q=q)
 

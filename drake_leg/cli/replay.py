@@ -52,7 +52,7 @@ def configure_replay(parser: argparse.ArgumentParser) -> None:
 
 def _replay(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.media import check_show, write_show
-    from drake_leg.scene.scene import as_view
+    from drake_leg.scene.views import as_view
 
     if chosen.robot is None:
         refuse_ignored({"--set": bool(chosen.numbers)}, "means nothing without --robot")

@@ -449,7 +449,7 @@ def _write_shows(
         return motion_of(outcome.robot, outcome.recording, ground=ground)
 
     if chosen.stills:
-        from drake_leg.scene.scene import VIEWS
+        from drake_leg.scene.views import VIEWS
 
         for view in VIEWS:
             with pictures.trying(f"the still {view}"), folder.more() as scratch:

@@ -40,9 +40,9 @@ from drake_leg.runs.options import TASK
 
 if TYPE_CHECKING:
     from drake_leg.scene.driven_foot import Step
-    from drake_leg.scene.scene import View
     from drake_leg.scene.server import Server
     from drake_leg.scene.shown_plant import Showable
+    from drake_leg.scene.views import View
 
 HOST = "localhost"
 LEAVING = (
@@ -81,6 +81,12 @@ def configure_view(parser: argparse.ArgumentParser) -> None:
         "--still", type=Path, metavar="FILE.png", help="write one picture instead, and end"
     )
     add_view(parser, "of the picture, or first one in the browser")
+    parser.add_argument(
+        "--frames",
+        action=argparse.BooleanOptionalAction,
+        help="show the axes of the frames, or hide them; in the browser, at first (default: those "
+        "of a robot are shown, those of a Simulink model hidden)",
+    )
     parser.add_argument("--overwrite", action="store_true", help="replace FILE.png if it exists")
     parser.set_defaults(command=_view)
 
@@ -90,8 +96,8 @@ def _view(chosen: argparse.Namespace) -> int:
         refuse_ignored(_server_options(chosen), "means nothing with --still, which opens no page")
         return _still(chosen)
     refuse_ignored({"--overwrite": chosen.overwrite}, "means nothing without --still")
-    from drake_leg.scene.scene import as_view
     from drake_leg.scene.viewer import view_served
+    from drake_leg.scene.views import as_view
 
     view = as_view(chosen.view)
     if is_model(chosen.robot):
@@ -101,7 +107,9 @@ def _view(chosen: argparse.Namespace) -> int:
     q = posture(chosen.robot, robot, chosen.q)
     try:
         with _start_server(chosen, robot.title) as server:
-            left_at = view_served(robot, q, server, view=view, once=chosen.once)
+            left_at = view_served(
+                robot, q, server, view=view, frames=chosen.frames, once=chosen.once
+            )
     except KeyboardInterrupt:
         return 0
     print(f"the sliders were left at --q {as_typed(robot, left_at.tolist())}")
@@ -120,7 +128,7 @@ def _view_model(chosen: argparse.Namespace, view: View) -> int:
         shown_mechanism(path, chosen) as shown,
         _start_server(chosen, path.stem) as server,
     ):
-        view_served(shown, None, server, view=view, once=chosen.once)
+        view_served(shown, None, server, view=view, frames=chosen.frames, once=chosen.once)
     return 0
 
 
@@ -131,7 +139,7 @@ def _refuse_posture(chosen: argparse.Namespace) -> None:
 
 def _still(chosen: argparse.Namespace) -> int:
     from drake_leg.scene.media import still
-    from drake_leg.scene.scene import as_view
+    from drake_leg.scene.views import as_view
 
     view = as_view(chosen.view)
     require_pillow()
@@ -141,7 +149,7 @@ def _still(chosen: argparse.Namespace) -> int:
         place_given_by("--still"),
         whole_file(chosen.still, endings=(".png",), overwrite=chosen.overwrite) as scratch,
     ):
-        scratch.write_bytes(still(what, q, view=view).png)
+        scratch.write_bytes(still(what, q, view=view, frames=chosen.frames).png)
     print(f"wrote {chosen.still}")
     remark_if_sketched()
     return 0

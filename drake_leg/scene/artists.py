@@ -44,8 +44,9 @@ from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.pictures.plots.style import STYLE
 from drake_leg.scene.lettering import LIGHT, Paper, Pixels
-from drake_leg.scene.scene import Scene, View
+from drake_leg.scene.scene import Scene
 from drake_leg.scene.shown_plant import Part
+from drake_leg.scene.views import View
 
 EDGE = 0.06  # of the picture's width: room around what a scene holds, for what is thick
 
@@ -61,7 +62,8 @@ TRIAL = """
 import numpy as np
 from drake_leg.robot.robots import PENDULUM
 from drake_leg.scene.artists import Renderer
-from drake_leg.scene.scene import VIEWS, at_rest, scene_of
+from drake_leg.scene.scene import at_rest, scene_of
+from drake_leg.scene.views import VIEWS
 motion = at_rest(PENDULUM, [0.3])
 image = Renderer(scene_of(motion), width=64, height=48).image(motion.poses()[0], VIEWS["front"])
 assert np.ptp(image) > 0, "the picture is empty"
@@ -99,7 +101,7 @@ class Renderer:
             self._graph.RegisterFrame(self._source, GeometryFrame(f"frame_{index}"))
             for index in range(len(scene.shown.frames))
         ]
-        for index, part in enumerate(scene.parts):
+        for index, part in enumerate(scene.drawn):
             name = f"{index}: {part.path}"
             try:
                 self._add(part, part.shape, name)
@@ -172,7 +174,7 @@ class Sketcher:
     def image(self, X_WF: Array, view: View) -> Pixels:
         """Draw the frames' poses, (n, 4, 4) as one row of ``PlantMotion.poses``."""
         faces, colours = [], []
-        for part in self._scene.parts:
+        for part in self._scene.drawn:
             X_WP = X_WF[part.frame] @ part.X_FP
             R_VP, p_VP = view.axes.T @ X_WP[:3, :3], view.axes.T @ X_WP[:3, 3]
             for face in _faces(part):

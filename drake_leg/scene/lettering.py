@@ -20,7 +20,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from drake_leg.colours import Colour
 from drake_leg.kinematics.khalil import Array
-from drake_leg.scene.scene import Scene, View, triad_lengths
+from drake_leg.scene.scene import Scene, triad_lengths
+from drake_leg.scene.views import View
 
 Pixels = NDArray[np.uint8]  # (height, width, 3), red, green, blue
 
@@ -120,6 +121,18 @@ def fitted(text: str, size: int, width: float) -> list[str]:
             lines[-1] = together
         else:
             lines.append(part)
+    return lines
+
+
+def wrapped(text: str, size: int, width: float) -> list[str]:
+    """Break a text into lines of at most some width [pixels], at its blanks."""
+    lines: list[str] = []
+    for word in text.split():
+        together = f"{lines[-1]} {word}" if lines else word
+        if lines and width_of(together, size) <= width:
+            lines[-1] = together
+        else:
+            lines.append(word)
     return lines
 
 
@@ -293,7 +306,9 @@ class AxisNames:
     def _seen(self, X_WF: Array) -> list[_Axis]:
         """List all axes as they are seen."""
         camera, rules, seen = self._camera, PLACEMENT, list[_Axis]()
-        lengths = triad_lengths(self._scene.triads, self._scene.size)
+        if not self._scene.has_frames:
+            return seen
+        lengths = triad_lengths(self._scene.triads, self._scene.triad_size)
         for mark, X, length in zip(self._scene.shown.marks, X_WF, lengths, strict=False):
             origin = X[:3, 3]
             sight = (camera - origin) / np.linalg.norm(camera - origin)

@@ -33,6 +33,7 @@ from drake_leg.scene.lettering import (
     Words,
     fitted,
     reduced,
+    wrapped,
     write_on,
 )
 from drake_leg.scene.scene import (
@@ -41,13 +42,12 @@ from drake_leg.scene.scene import (
     PlantMotion,
     Record,
     Scene,
-    View,
-    as_view,
     at_rest,
     motion_of,
     scene_of,
 )
 from drake_leg.scene.shown_plant import Showable
+from drake_leg.scene.views import View, as_view
 from drake_leg.scene.walk_overlay import (
     draw_footing,
     margin_in_words,
@@ -60,7 +60,7 @@ from drake_leg.scene.web_page import pose_rows, stage_data, web_page
 
 WIDTH, HEIGHT = 960, 720  # [pixels] of a still
 SMOOTHING = 2  # a still is rendered larger by this factor
-LETTERS, TITLE, SMALL = 24, 26, 20  # [pixels], of a still
+LETTERS, TITLE, SMALL, CAPTION = 24, 26, 20, 16  # [pixels], of a still
 
 VIDEOS = (".mp4", ".gif")
 VIDEO_WIDTH, VIDEO_HEIGHT = 800, 600  # [pixels]; even, as MP4 wants
@@ -100,6 +100,7 @@ def still(
     view: View | str = "3d",
     motion: Record | None = None,
     paper: Paper = LIGHT,
+    frames: bool | None = None,
 ) -> Still:
     """Take a picture of a robot, or of any plant, in one posture, its frames named.
 
@@ -119,6 +120,8 @@ def still(
         it.
     paper : Paper
         ``LIGHT`` or ``DARK``, of ``drake_leg.scene.lettering``.
+    frames : bool, optional
+        Whether the axes of the frames are drawn; by default they are.
 
     Returns
     -------
@@ -143,7 +146,8 @@ def still(
         raise InvalidValueError(
             f"there is no paper {paper!r}", advice="take LIGHT or DARK of drake_leg.scene.lettering"
         )
-    scene = scene_of(posture if motion is None else motion_of(what, motion))
+    require_kind("frames", frames, bool, NoneType)
+    scene = scene_of(posture if motion is None else motion_of(what, motion), frames=frames)
     return _still(scene, posture, seen_from, paper)
 
 
@@ -168,6 +172,10 @@ def _still(scene: Scene, posture: PlantMotion, seen_from: View, paper: Paper) ->
         smooth = draw_footing(smooth, artist, seen_from, scene, footing, 0, SMOOTHING)
         text = f"t = {posture.time[0]:.2f} s, {_told(scene, posture, 0)}"
         words.append(Words(text=text, x=28, y=HEIGHT - 30, size=SMALL, colour=paper.ink))
+    lines = [line for note in scene.notes for line in wrapped(note, CAPTION, WIDTH - 2 * 28)]
+    for back, line in enumerate(reversed(lines)):
+        y = HEIGHT - 24 - 1.4 * CAPTION * back
+        words.append(Words(text=line, x=28, y=y, size=CAPTION, colour=paper.ink))
     buffer = io.BytesIO()
     Image.fromarray(write_on(smooth, words, paper=paper)).save(buffer, "PNG", optimize=True)
     return Still(buffer.getvalue())
@@ -305,7 +313,9 @@ def _images(
         if frames.footing is not None:
             image = draw_footing(image, renderer, view, scene, frames.footing, row, share)
             text = f"{text}, {_told(scene, frames, row)}"
-        lines = fitted(text, letters, VIDEO_WIDTH // share - 2 * margin)
+        width = VIDEO_WIDTH // share - 2 * margin
+        lines = [line for note in scene.notes for line in wrapped(note, letters, width)]
+        lines += fitted(text, letters, width)
         last = height - 1.4 * margin
         told = [
             Words(text=line, x=margin, y=last - 1.4 * letters * back, size=letters)
@@ -429,7 +439,8 @@ def replay(
     frames = motion.sampled(rate)
     scene = scene_of(motion)
     heading = title or motion.shown.title
-    poses = pose_rows(frames.poses()[:, 1:]).astype("<f4")  # little-endian single floats
+    poses = pose_rows(motion.shown.X_UW @ frames.poses()[:, 1:])
+    poses = poses.astype("<f4")  # little-endian single floats
     data = {
         **stage_data(scene, first),
         "rate": rate,

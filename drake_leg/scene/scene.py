@@ -34,6 +34,7 @@ from drake_leg.scene.shown_plant import (
     shown,
     size_of,
 )
+from drake_leg.scene.views import VIEWS, WALKING_VIEWS, Framing, View, frame
 from drake_leg.scene.walked import walked
 from drake_leg.simulation.recording import Recording, without_sign_jumps
 from drake_leg.simulation.run import Run
@@ -48,8 +49,6 @@ TRIAD_LENGTH, TRIAD_RADIUS = 0.14, 0.006
 TRACE_RADIUS, TRACE_SPACING = 0.011, 1.0 / 60.0
 FLOOR_LINE, FLOOR_SQUARES, FLOOR_GAP = 0.003, 5.0, 0.03
 
-NATURAL, FLAT = math.radians(30.0), math.radians(5.0)  # fields of view, lower to upper edge
-MARGIN = 1.18  # the picture is wider than what it shows by this factor
 LARGEST_MISS = 1e-6  # [m], between a recorded tip and the robot's
 MOST_POSTURES = 400  # of a motion that determine the size of its scene
 SLACK = 1e-9  # of a square of the floor: a point on its edge needs no other square
@@ -340,88 +339,6 @@ def _in_si(recording: Recording, name: str, units: Mapping[str, float]) -> Array
 
 
 @dataclass(frozen=True, kw_only=True)
-class View:
-    """A direction to look from; z is up in the picture."""
-
-    name: str  # as on the command line
-    label: str  # as on a button
-    origin: str = ""  # as in a sentence: "from the right"
-    towards: tuple[float, float, float]  # from the scene to the camera, not along z exactly
-    field: float = FLAT  # of view [rad]; a narrow one shows parallels as parallels
-
-    def titled(self, title: str) -> str:
-        """Append the direction to a title: ``Hexabot leg B, from the right``; not in 3D."""
-        return f"{title}, {self.origin}" if self.origin else title
-
-    @property
-    def axes(self) -> Array:
-        """Rotation R_WV: right, up and backwards in the picture, as columns in the world."""
-        back = np.array(self.towards) / math.hypot(*self.towards)
-        right = np.cross([0.0, 0.0, 1.0], back)
-        right /= np.linalg.norm(right)
-        return np.column_stack([right, np.cross(back, right), back])
-
-
-# Seen from the top, the little off the vertical leaves y up in the picture.
-VIEWS = {
-    view.name: view
-    for view in (
-        View(name="3d", label="3D", towards=(0.62, -0.66, 0.42), field=NATURAL),
-        View(name="right", label="Right", origin="from the right", towards=(1.0, 0.0, 0.0)),
-        View(name="front", label="Front", origin="from the front", towards=(0.0, -1.0, 0.0)),
-        View(name="top", label="Top", origin="from the top", towards=(0.0, -1e-4, 1.0)),
-    )
-}
-
-
-# A robot that walks has its front along x, and its right side along -y.
-WALKING_VIEWS = {
-    **VIEWS,
-    "right": replace(VIEWS["right"], towards=VIEWS["front"].towards),
-    "front": replace(VIEWS["front"], towards=VIEWS["right"].towards),
-}
-
-
-def as_view(view: View | str) -> View:
-    """Return a view by its name; a View is returned as it is."""
-    if isinstance(view, View):
-        return view
-    if not isinstance(view, str) or view not in VIEWS:
-        raise InvalidValueError(f"there is no view {view!r}; the views are {', '.join(VIEWS)}")
-    return VIEWS[view]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Framing:
-    """The box that a view shows, along the picture's axes."""
-
-    view: View
-    target: Array  # (3,) p_WT: middle of the box [m]
-    half: Array  # (3,) half of its width, height and depth [m]
-
-    def half_height(self, aspect: float) -> float:
-        """Half the height of a picture of an aspect (width by height) that holds it [m]."""
-        width, height, _ = self.half
-        return MARGIN * float(max(height, width / aspect))
-
-    def distance(self, aspect: float) -> float:
-        """Distance from the target at which a camera sees the whole box [m]."""
-        slope = math.tan(self.view.field / 2.0)
-        return float(self.half[2]) + self.half_height(aspect) / slope
-
-    def camera(self, aspect: float) -> Array:
-        """Place of the camera, p_WC (3,) [m], for a picture of an aspect (width by height)."""
-        return np.asarray(self.target + self.distance(aspect) * self.view.axes[:, 2])
-
-
-def frame(view: View, points: Array) -> Framing:
-    """Find the smallest box along a view's axes that holds all points (n, 3) [m]."""
-    seen = points @ view.axes
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    return Framing(view=view, target=view.axes @ ((low + high) / 2.0), half=(high - low) / 2.0)
-
-
-@dataclass(frozen=True, kw_only=True)
 class Scene:
     """What is shown: a plant, its traces, and the floor."""
 
@@ -432,6 +349,9 @@ class Scene:
     floor_square: float  # edge of the floor's squares [m]
     size: float  # greatest edge of the box around the plant [m]
     triads: int  # how many of the first frames have axes
+    triad_size: float  # the size that these axes are for [m]: less than size where links are small
+    has_frames: bool = True  # whether the axes are seen; on a page, at first
+    notes: tuple[str, ...] = ()  # what the picture shows instead of shapes, or leaves out
     footing: Footing | None = None  # of a robot that walks: pictures go with it, over its ground
     whole: Array | None = None  # (n, 3), its whole walk [m]
 
@@ -461,14 +381,23 @@ class Scene:
         """Corners of the smallest convex body that holds what is framed, (k, 3) [m]."""
         return hull_of(self.held)
 
+    @property
+    def drawn(self) -> tuple[Part, ...]:
+        """What a picture shows of the parts."""
+        if self.has_frames:
+            return self.parts
+        return tuple(part for part in self.parts if not part.path.startswith("triad/"))
+
     def followed(self, X_WF: Array) -> Array:
-        """Poses (..., n, 4, 4), moved so that a robot that walks is over the origin."""
-        return X_WF if self.footing is None else _followed(X_WF, self.footing)
+        """Poses in the picture, X_UF (..., n, 4, 4): a robot that walks is over the origin."""
+        if self.footing is not None:
+            return _followed(X_WF, self.footing)
+        return np.asarray(self.shown.X_UW @ X_WF)
 
     def trace_points(self) -> Array:
-        """Middles of the traces' dashes, (k, 3) [m]."""
+        """Middles of the traces' dashes in the picture, (k, 3) [m]."""
         middles = [part.X_FP[:3, 3] for part in self.parts if part.path.startswith("trace/")]
-        return np.array(middles).reshape(-1, 3)
+        return np.array(middles).reshape(-1, 3) @ self.shown.X_UW[:3, :3].T
 
 
 def hull_of(points: Array) -> Array:
@@ -482,20 +411,32 @@ def _followed(X_WF: Array, footing: Footing) -> Array:
     return found
 
 
-def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = None) -> Scene:
+def scene_of(
+    motion: PlantMotion,
+    *,
+    room: float = 0.0,
+    around: Array | None = None,
+    frames: bool | None = None,
+) -> Scene:
     """Make a scene that contains a whole motion, of one row or many.
 
     It is larger than the motion on every side by ``room``, of its size, and holds also the points
     ``around``, (n, 3) [m], on the same floor. Of a robot that walks it shows what is
-    around it, and so many more squares of its ground.
+    around it, and so many more squares of its ground. ``frames`` are seen or not; by default as
+    the plant has it.
     """
+    has_frames = motion.shown.shows_frames if frames is None else frames
     few = np.unique(np.linspace(0, len(motion.time) - 1, MOST_POSTURES).astype(int))
     plant, poses = motion.shown, motion.poses()
     if motion.footing is not None:
-        return _walk_scene(plant, poses[few], motion.footing, room)
-    seen = plant.outline(poses[few])
-    size = size_of(seen)
-    points = np.concatenate([seen, triad_tips(poses[few], size).reshape(-1, 3)])
+        scene = _walk_scene(plant, poses[few], motion.footing, room)
+        return replace(scene, has_frames=has_frames)
+    turned = plant.X_UW @ poses[few]
+    points = plant.outline(turned, with_origin=has_frames)
+    size = size_of(points)
+    triad_size = min(size, plant.typical_part() / TRIAD_LENGTH / 2.0)
+    if has_frames:
+        points = np.concatenate([points, triad_tips(turned, triad_size).reshape(-1, 3)])
     low, high = points.min(axis=0) - room * size, points.max(axis=0) + room * size
     points = np.concatenate([points, [low, high]]) if room else points
     square = floor_square(size_of(points))
@@ -503,9 +444,12 @@ def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = N
     floor = floor_corners(points, square)
     parts = (
         *plant.parts(size),
-        *triad_parts(len(plant.frames), size),
+        *triad_parts(len(plant.frames), triad_size),
         *trace_parts(list(np.moveaxis(plant.traced(poses), -2, 0)), size),
-        *floor_parts(floor, square, FLOOR_LINE * size_of(points)),
+        *(
+            replace(part, X_FP=plant.X_UW.T @ part.X_FP)  # level in the picture
+            for part in floor_parts(floor, square, FLOOR_LINE * size_of(points))
+        ),
     )
     return Scene(
         shown=plant,
@@ -515,6 +459,9 @@ def scene_of(motion: PlantMotion, *, room: float = 0.0, around: Array | None = N
         floor_square=square,
         size=size,
         triads=len(plant.frames),
+        triad_size=triad_size,
+        has_frames=has_frames,
+        notes=(*plant.notes, *plant.left_out(size)),
     )
 
 
@@ -550,14 +497,11 @@ def _walk_scene(plant: ShownPlant, poses: Array, footing: Footing, room: float) 
         floor_square=square,
         size=size,
         triads=WALKING_TRIADS,
+        triad_size=size,
+        notes=plant.notes,
         footing=footing,
         whole=hull_of(np.concatenate([whole, footing.under(whole)])),
     )
-
-
-def _clear(part: Part) -> float:
-    """Opacity of a part of a robot that walks: the axes in its body are seen."""
-    return CLEAR if part.frame < WALKING_TRIADS else 1.0
 
 
 def _stones(ground: Ground, floor: Array) -> Iterator[Part]:

@@ -47,6 +47,7 @@ LEAST_SIZE = 1e-3  # [m], of a scene
 PALE = (0.72, 0.73, 0.76)
 BASE_SIZE, ROD_RADIUS = 0.07, 0.009  # of the scene's size
 GROUND = 3.0  # of the scene's size, from which on a shape of the world is a ground
+FIXED_GROUND = 10.0  # the same of a body that is fixed in the world, which may be a housing
 SOLID_OPACITY = 0.45  # so that the frames inside can be seen
 TABLE_FRAME = re.compile(r"frame_(\d+)")  # a frame of a Khalil table
 LANGUAGES = {"<sdf": "sdf", "<robot": "urdf", "<mujoco": "xml"}  # of a model, and its file's ending
@@ -97,6 +98,21 @@ def rod(start: Array, end: Array, radius: float) -> tuple[Cylinder, Array]:
     length = float(np.linalg.norm(way))
     X_FC = RigidTransform(RotationMatrix.MakeFromOneVector(way, 2), (start + end) / 2.0)
     return Cylinder(radius, length), X_FC.GetAsMatrix4()
+
+
+def upright(gravity: ArrayLike) -> Array:
+    """Pose X_UW (4, 4) of the world in a picture's frame U, whose z is against gravity.
+
+    It is the shortest turn; the world's z is up where there is no gravity.
+    """
+    X_UW, pull = np.eye(4), np.asarray(gravity, dtype=float)
+    strength = float(np.linalg.norm(pull))
+    if strength > 0.0:
+        x, y, z = (-pull / strength).tolist()
+        K = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])  # [up x z]
+        down = np.diag([1.0, -1.0, -1.0])
+        X_UW[:3, :3] = down if z < -1.0 + 1e-12 else np.eye(3) + K + K @ K / (1.0 + z)
+    return X_UW
 
 
 def shortened(value: object) -> str:
@@ -164,6 +180,9 @@ class ShownPlant:
         self.plant, self.name = plant, _name_of(plant)
         self.joints: list[int] | None = None  # positions of a robot's joints, in its table's order
         self.walks = False  # whether it is a robot with legs, whose front is along x
+        self.shows_frames = True  # whether pictures show the frames' axes by default
+        self.notes: tuple[str, ...] = ()  # sentences about shapes that are absent
+        self.X_UW = upright(plant.gravity_field().gravity_vector())  # U: z is up in the picture
         self.title = title or self.name
         self.coordinates = _coordinates_of(plant)
         self._context, self._lock = plant.CreateDefaultContext(), Lock()
@@ -253,22 +272,66 @@ class ShownPlant:
         """Points that leave a trace, (..., k, 3) [m], from poses (..., n, 4, 4)."""
         return np.stack([X_WF[..., frame, :3, :] @ [*p, 1.0] for frame, p in self._traced], axis=-2)
 
-    def outline(self, X_WF: Array) -> Array:
-        """Points that a picture must contain, (k, 3) [m], from poses (rows, n, 4, 4)."""
-        points = [X_WF[..., :3, 3].reshape(-1, 3)]
+    def outline(self, X_WF: Array, *, with_origin: bool = True) -> Array:
+        """Points that a picture must contain, (k, 3) [m], from poses (rows, n, 4, 4).
+
+        The world's origin is one of them, where it is asked for or a base is drawn there. Of bodies
+        that are fixed in the world, what is much larger than all that moves is left out.
+        """
+        first = 0 if with_origin or self._has_base() else 1
+        points = [X_WF[:, first:, :3, 3].reshape(-1, 3)]
         for frame, held in enumerate(self.held()):
             R, p = X_WF[:, frame, :3, :3], X_WF[:, frame, :3, 3]
             points.extend(p + R @ point for point in held)
-        return np.concatenate(points)
+        moving, (R, p) = np.concatenate(points), (X_WF[0, 0, :3, :3], X_WF[0, 0, :3, 3])
+        size = size_of(moving) if len(self.frames) > 1 else math.inf
+        fixed = [
+            part.corners() @ R.T + p
+            for body in self._bodies[1:]
+            if body.index() in self._anchored
+            for part in self._shapes[body.index()]
+            if size_of(part.corners()) < FIXED_GROUND * size
+        ]
+        return np.concatenate([moving, *fixed])
+
+    def _has_base(self) -> bool:
+        return any(part.path.startswith(("block/", "post/")) for part in self.parts(LEAST_SIZE))
+
+    def typical_part(self) -> float:
+        """Median size of what moves and has shapes, body by body [m]; inf where nothing has."""
+        sizes = [
+            size_of(np.concatenate([part.corners() for part in shapes]))
+            for body in self._bodies
+            if body.index() not in self._anchored and (shapes := self._shapes[body.index()])
+        ]
+        return float(np.median(sizes)) if sizes else math.inf
+
+    def left_out(self, size: float) -> Iterator[str]:
+        """Name the bodies with shapes that are too large for a scene of a size [m]."""
+        names = [
+            body.name()
+            for body in self._bodies[1:]
+            if any(not self._fits(body, part, size) for part in self._shapes[body.index()])
+        ]
+        if names:
+            yield f"much larger than what moves, and so not shown: {', '.join(names)}"
+
+    def bare(self) -> list[str]:
+        """Names of the bodies that move and have no shape; rods stand for them."""
+        return [
+            body.name()
+            for body in self._bodies
+            if body.index() not in self._anchored and not self._shapes[body.index()]
+        ]
 
     def held(self) -> list[Array]:
         """Points on each shown frame that a picture must contain, (k, 3) [m]: corners and ends.
 
-        Those of the world are left out: it may have a floor of any size.
+        Shapes of the world and of what is fixed there are left out: floors have any size.
         """
         points: list[list[Array]] = [[] for _ in self.frames]
         for body in self._bodies:
-            if body is not self._bodies[0]:
+            if body.index() not in self._anchored:
                 for part in self._shapes[body.index()]:
                     points[part.frame].extend(part.corners())
             for end in self._end_of(body):
@@ -296,14 +359,19 @@ class ShownPlant:
         parts: list[Part] = []
         for body in self._bodies:
             shapes, is_world = self._shapes[body.index()], body is self._bodies[0]
-            parts += [
-                part for part in shapes if not is_world or size_of(part.corners()) < GROUND * size
-            ]
+            parts += [part for part in shapes if self._fits(body, part, size)]
             if body.index() in self._anchored and (is_world or not shapes):
                 parts += self._base_parts(body, size)
             else:
                 parts += self._rods(body, ROD_RADIUS * size)
         return tuple(parts)
+
+    def _fits(self, body: RigidBody, part: Part, size: float) -> bool:
+        """Tell whether a part is small enough for a scene of a size [m]; what moves always is."""
+        most = math.inf
+        if body.index() in self._anchored and len(self.frames) > 1:
+            most = (GROUND if body is self._bodies[0] else FIXED_GROUND) * size
+        return size_of(part.corners()) < most
 
     def _base_parts(self, body: RigidBody, size: float) -> Iterator[Part]:
         """Make a base's block, and posts from there to distant joints."""

@@ -18,9 +18,10 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.closed import closing
-from drake_leg.scene.scene import TRACE, Scene, View, as_view, at_rest, scene_of
+from drake_leg.scene.scene import TRACE, Scene, at_rest, scene_of
 from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of, open_browser
 from drake_leg.scene.shown_plant import Coordinate, Showable, ShownPlant, shown
+from drake_leg.scene.views import View, as_view
 from drake_leg.scene.web_page import AXES, live_data, millimetres, pose_rows, web_page
 
 PERIOD = 1.0 / 30.0  # [s], between readings of the sliders
@@ -186,12 +187,14 @@ def view_served(
     server: Server,
     *,
     view: View | str = "3d",
+    frames: bool | None = None,
     once: bool = False,
     wait: Callable[[float], None] = time.sleep,
 ) -> Array:
     """Show a plant as ``view`` does, on a server that listens already.
 
-    With ``once`` it ends when the sliders have been read once. ``wait`` is called with the time
+    The ``frames`` are seen at first or not, by default as the plant has it. With ``once`` it ends
+    when the sliders have been read once. ``wait`` is called with the time
     until they are read again [s].
     """
     plant, first = shown(what), as_view(view)
@@ -201,7 +204,7 @@ def view_served(
     if loops is not None:
         posture = loops.near(posture)
         sliders = tuple(one for one in sliders if one.joint in loops.driven)
-    scene = scene_of(at_rest(plant, posture), room=ROOM)
+    scene = scene_of(at_rest(plant, posture), room=ROOM, frames=frames)
     trace = Trace(scene.size)
     commands, feed = SliderCommands(sliders, trace), Feed(trace)
     server.serve(_page(scene, sliders, first, feed.session), commands.handle, feed)
@@ -233,7 +236,7 @@ def _way(before: Array, after: Array) -> Array:
 def _state(plant: ShownPlant, q: Array, values: list[float]) -> dict[str, Any]:
     X_WF = plant.poses(q)
     return {
-        "poses": np.round(pose_rows(X_WF[1:]), 7).tolist(),
+        "poses": np.round(pose_rows(plant.X_UW @ X_WF[1:]), 7).tolist(),
         "values": values,
         "tip": millimetres(plant.traced(X_WF)[0]),
     }

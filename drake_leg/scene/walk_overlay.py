@@ -17,7 +17,8 @@ from drake_leg.colours import BLUE, VERMILLION, Colour, rgb
 from drake_leg.kinematics.khalil import Array
 from drake_leg.scene.footing import Footing
 from drake_leg.scene.lettering import Artist, Pixels
-from drake_leg.scene.scene import Scene, View
+from drake_leg.scene.scene import Scene
+from drake_leg.scene.views import View
 
 FORCE, SUPPORT, FALLING = rgb(VERMILLION), rgb(BLUE), (0.80, 0.10, 0.12)
 CENTRE = (0.11, 0.11, 0.12)

@@ -23,17 +23,14 @@ from drake_leg.scene.lettering import PLACEMENT
 from drake_leg.scene.scene import (
     BLUE,
     GREEN,
-    MARGIN,
     RED,
     TRACE,
     TRACE_RADIUS,
-    VIEWS,
     Scene,
-    View,
-    frame,
     triad_lengths,
 )
 from drake_leg.scene.server import MOST_PIECES
+from drake_leg.scene.views import MARGIN, VIEWS, View, frame
 
 ROBOT = "/drake/robot"  # in a page's tree
 Entry = tuple[str, tuple[Colour, ...]]  # of a legend: words, and the colors of what they name
@@ -70,11 +67,12 @@ def web_page(
         path = f"{drake_path(part.frame)}/{part.path}"
         meshcat.SetObject(path, part.shape, Rgba(*part.colour, part.opacity))
         meshcat.SetTransform(path, RigidTransform(part.X_FP))
+    meshcat.SetTransform(drake_path(0), RigidTransform(scene.shown.X_UW))
     if draw_more is not None:
         draw_more(meshcat)
     source = templates().get_template(template) if isinstance(template, str) else template
     square = f"{1e3 * scene.floor_square:g}"
-    around = source.render(data=data, square=square, **values)
+    around = source.render(data=data, square=square, notes=scene.notes, **values)
     page = replaced(meshcat.StaticHtml(), "<html>", '<html lang="en">')
     page = replaced(
         page,
@@ -101,7 +99,7 @@ def templates() -> Environment:
 
 def stage_data(scene: Scene, first: View) -> dict[str, Any]:
     """Collect the data that the scripts of all pages need; ``first`` is the initial view."""
-    count, lengths = scene.triads, triad_lengths(scene.triads, scene.size)
+    count, lengths = scene.triads, triad_lengths(scene.triads, scene.triad_size)
     held = scene.shown.held()
     for index, length in enumerate(lengths):
         held[index] = np.concatenate([held[index], length * np.eye(3)])
@@ -121,6 +119,8 @@ def stage_data(scene: Scene, first: View) -> dict[str, Any]:
         "first": list(VIEWS).index(first.name),
         "paths": [drake_path(index) for index in range(1, len(scene.shown.frames))],
         "triads": [f"{drake_path(index)}/triad" for index in range(count)],
+        "framed": scene.has_frames,
+        "upright": scene.shown.X_UW.T.ravel().tolist(),  # column by column
         "frames": scene.shown.names[:count],
         "marks": scene.shown.marks[:count],
         "axes": lengths,

@@ -39,7 +39,7 @@ ALWAYS = {
     "run": OF_RUNS | {"--out", "--overwrite", "--figures", "--replay", "--video", "--stills",
                       "--max-step", "--stiffness"},
     "replay": {"--out", "--overwrite", "--from", "--robot"},
-    "view": {"--q", "--still", "--from"},
+    "view": {"--q", "--still", "--from", "--frames", "--no-frames"},
     "teleop": {"--q", "--task", "--tip", "--host", "--port", "--no-browser", "--once"},
     "report": {"--out", "--overwrite"},
     "derive": {"--latex", "--budget", "--model"},

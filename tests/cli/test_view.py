@@ -223,7 +223,7 @@ def test_a_still_is_written_once(tmp_path, monkeypatch, capsys):
 def test_a_rendered_still_needs_no_words(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(media, "rendering_fault", lambda: None)
-    monkeypatch.setattr(media, "still", lambda robot, q, view: media.Still(b"a picture"))
+    monkeypatch.setattr(media, "still", lambda robot, q, view, frames: media.Still(b"a picture"))
     assert run(capsys, "view", "leg-b", "--still", "leg.png") == (0, "wrote leg.png\n", "")
 
 

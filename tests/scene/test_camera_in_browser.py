@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drake_leg.scene.media import replay
-from drake_leg.scene.scene import MARGIN
+from drake_leg.scene.views import MARGIN
 
 pytestmark = pytest.mark.slow
 

@@ -17,8 +17,9 @@ from drake_leg.scene.lettering import (
     width_of,
     write_on,
 )
-from drake_leg.scene.scene import VIEWS, PlantMotion, at_rest, scene_of, triad_tips
+from drake_leg.scene.scene import PlantMotion, at_rest, scene_of, triad_tips
 from drake_leg.scene.shown_plant import shown
+from drake_leg.scene.views import VIEWS
 
 POSTURES = (
     (LEG_B, np.radians([90.0, -50.0, -90.0])),

@@ -16,21 +16,19 @@ from drake_leg.scene.scene import (
     GREEN,
     RED,
     TRACE_SPACING,
-    VIEWS,
     OtherRobotError,
     PlantMotion,
-    as_view,
     at_rest,
     floor_corners,
     floor_parts,
     floor_square,
-    frame,
     motion_of,
     trace_parts,
     triad_parts,
     triad_tips,
 )
 from drake_leg.scene.shown_plant import shown
+from drake_leg.scene.views import VIEWS, as_view, frame
 from drake_leg.simulation.recording import Recording
 from drake_leg.simulation.run import Scopes, simulate
 

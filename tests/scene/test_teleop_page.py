@@ -12,8 +12,8 @@ from drake_leg.kinematics.leg import LegGeometry, branch_angles, foot_position
 from drake_leg.robot.robots import LEG_A, LEG_B
 from drake_leg.robot.toml.reader import read_robot
 from drake_leg.scene.driven_foot import DrivenFoot
-from drake_leg.scene.scene import VIEWS
 from drake_leg.scene.teleop import section_circles, section_triangles, teleop_page, teleop_scene
+from drake_leg.scene.views import VIEWS
 
 Q = np.radians([90.0, -50.0, -90.0])
 DESK = """

@@ -64,7 +64,8 @@ const stage = (() => {
       viewer.handle_command({ type: "set_transform", path: path, matrix: matrices[i] });
     });
     present = data.held.flatMap((corners, i) =>
-      corners.map((corner) => times(matrices[i], [...corner, 1]))).concat(more)
+      corners.map((corner) => times(matrices[i], [...corner, 1])))
+      .concat(more.map((point) => times(data.upright, [...point, 1])))
       .map(([u, v, w]) => [u + x, v + y, w + z]);
     if (view && distance(view, present) > away * (1 + 1e-9)) look(chosen);
   }
@@ -146,7 +147,7 @@ const stage = (() => {
   }).observe(pane);
 
   const writeNames = makeNames(data, pane);
-  let named = true;
+  let named = data.framed;
   const render = viewer.render.bind(viewer);
   viewer.render = () => { render(); writeNames(named); };
 
@@ -161,8 +162,13 @@ const stage = (() => {
     button.setAttribute("aria-pressed", "true");
     return button;
   }
-  makeShown("Frames", data.triads).title =
+  const framesButton = makeShown("Frames", data.triads);
+  framesButton.title =
     data.frames.map((name, place) => `${data.marks[place]} ${name}`).join(", ");
+  if (!data.framed) {
+    framesButton.setAttribute("aria-pressed", "false");
+    setVisible(data.triads, false);
+  }
   makeShown("Trace", [data.trace]);
   if (data.walk) {
     const button = makeButton(element("page-views"), "Follow", () => {

@@ -11,7 +11,7 @@ from drake_leg.lab.errata.catalogue import texts_by_number
 from drake_leg.lab.page import mathematics
 from drake_leg.lab.page.contents import RUNS, SUBJECTS, Item, chapters, command
 from drake_leg.lab.page.items import KINDS, PLOTS
-from drake_leg.scene.scene import VIEWS
+from drake_leg.scene.views import VIEWS
 
 ITEMS = [item for chapter in chapters() for item in chapter.items]
 REPORT_A = [f"A {number}" for number in range(1, 17)]
