@@ -158,7 +158,8 @@ def _drawings(model: Model) -> tuple[list[tuple[str, str, int]], list[str]]:
     try:
         pictures = model_pictures(model, title=title)
     except InvalidValueError as error:
-        said = [f"Its parts are not drawn: {error}."]
+        command = "drake-leg diagram draws a subsystem by its name"
+        said = [f"Its parts are not drawn: {error.problem}; the command {command}."]
         with suppress(InvalidValueError):
             return [_drawing(outline_picture(model, title=f"{title}: its top"))], said
         return [], said

@@ -36,7 +36,8 @@ class Parser(ExpressionParser):
         while self.next.kind != "stop":
             if not self._sees_keyword("function"):
                 place = "after the function's end" if found else "where 'function' should be"
-                raise self.unexpected(place)
+                inside = ": functions inside functions are not supported, move them behind"
+                raise self.unexpected(place + inside * (len(found) > 1))
             found.append(self._function())
             self._skip_separators()
         if not found:

@@ -310,7 +310,8 @@ class _Pass:
         except UnknownValueError as error:
             self._list_unknown(_lacks(writer.node) or [_lack(writer.node, error)])
         except InvalidValueError as error:
-            self._problems[str(error)] = None
+            named = f"(SID {writer.node.sid})" in str(error)
+            self._problems[str(error) if named else f"{writer.about}: {error}"] = None
         except (ArithmeticError, LookupError, ValueError, TypeError, AttributeError):
             self._problems[f"{writer.about} cannot run on {_said(writer.inputs)}"] = None
         else:

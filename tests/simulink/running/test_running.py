@@ -230,6 +230,26 @@ def test_an_algebraic_loop_is_named(tmp_path):
         rig.code(tmp_path)
 
 
+def test_code_that_does_not_run_is_told_with_its_block(tmp_path):
+    rig = Rig()
+    script = "function y = f()\ny = g();\nfunction z = g()\nz = 1;\nend\ny = 2;\nend\n"
+    rig.show(rig.add_function("Law", script), "y")
+    with pytest.raises(InvalidValueError, match=r"block 'Law' \(SID .*line 6.*inside functions"):
+        rig.code(tmp_path)
+
+
+def test_a_replacement_may_be_a_vector(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("Demux", "apart", rig.block("Queue", "q"), Outputs="3"), "y")
+    rig.write(tmp_path / "m.slx")
+    model = read_model(tmp_path / "m.slx")
+    runnable(model, replace={"q": "constant [1 2 3]"})
+    with pytest.raises(
+        InvalidValueError, match=r"1 number apart into 3 .* as a constant \[0 0 0\]"
+    ):
+        runnable(model, replace={"q": "constant 1"})
+
+
 def test_all_that_does_not_run_is_one_list(tmp_path):
     rig = Rig()
     rig.show(rig.block("S-Function", "mine", FunctionName="mine"), "mine")

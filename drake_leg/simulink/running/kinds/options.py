@@ -72,7 +72,10 @@ def require_usual(w: Writer) -> None:
     for name, usual in USUAL.get(block.kind, USUAL.get(block.type, {})).items():
         given = w.settings.text(name)
         if given and given not in usual:
-            raise w.fault(f"has {name} {given!r}, which does not run: choose {usual[0]!r}")
+            raise w.fault(
+                f"has {name} {given!r}, which does not run: choose {usual[0]!r}, or let `replace` "
+                "say what it puts out instead"
+            )
 
 
 def sample_time(w: Writer) -> float:
