@@ -6,6 +6,8 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.cli import main
+from drake_leg.cli.mechanisms import mechanism_in_3d
+from drake_leg.scene.scene import at_rest, scene_of
 
 
 @pytest.fixture
@@ -131,3 +133,14 @@ def test_a_feature_of_a_cad_program_is_placed_by_an_option(here, capsys):
     for wrong, said in (("leg.step=0,0,0", "names no feature"), ("leg.step:segment 3=a", "number")):
         status, _, err = run(capsys, "sdf", "m.slx", "--feature", wrong)
         assert (status, said in err) == (2, True)
+
+
+def test_a_picture_names_the_shapes_that_it_lacks(here):
+    built = pendulum()
+    given = {"ExtGeomFileName": "leg.step", "InertiaType": "PointMass", "Mass": "1"}
+    built.body("File Solid", "Leg", **given)
+    built.meet("Down", "Leg lconn:1")
+    with mechanism_in_3d(built.mechanism(here), [here]) as shown:
+        assert shown.notes[0] == "not shown, as no such file was found: leg.step"
+        assert not shown.shows_frames
+        assert scene_of(at_rest(shown)).notes[0] == shown.notes[0]
