@@ -26,6 +26,7 @@ from drake_leg.pictures.svg import (
 
 MARGIN = 18.0  # [px]
 HEADING = 15.0  # [px], size of a title
+BOLD = 1.18  # width of a title's bold letters, relative to plain ones
 BELOW_HEADING = 26.0  # [px]
 BETWEEN = 30.0  # [px], two pictures
 ARROW = 8.0  # [px]
@@ -82,7 +83,7 @@ def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
             element("g", f"\n{content}\n", transform=f"translate({MARGIN:g} {y:.1f})"),
         ]
         y += layout.height + BETWEEN
-    titles = [text_width(layout.picture.title, HEADING) for layout in layouts]
+    titles = [BOLD * text_width(layout.picture.title, HEADING) for layout in layouts]
     return Drawing(
         svg=document(
             "\n".join(parts),
