@@ -169,7 +169,7 @@ def _lacking(model: Model) -> list[str]:
     """Return what is not understood: kinds of blocks, names without a value, other values."""
     lacking = not_understood(model)
     if not lacking.count:
-        return ["everything is understood"]
+        return ["everything is understood as data; whether it runs, `drake-leg run` tells"]
     lines = [f"not understood: {lacking.count}"]
     for title, found in (
         ("kinds of blocks", lacking.kinds),

@@ -180,7 +180,7 @@ def test_values_come_from_scripts_and_options(capsys, lacking):
     status, out, _ = inspected(capsys, lacking, "--init", script, "--set", "k=2*pi,L=[1,2]")
     assert status == 0
     flowing = " ".join(out.split())
-    assert "everything is understood" in flowing
+    assert "everything is understood as data; whether it runs, `drake-leg run` tells" in flowing
     assert "values set by hand (2), numbers.m (1)" in flowing
     assert "skipped system (a script reaches neither the system nor files here), line 1" in flowing
     _, out, _ = inspected(capsys, lacking, "--init", script, "--set", "k=2", "--json")
