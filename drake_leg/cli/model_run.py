@@ -181,16 +181,33 @@ def runnable_file(
     with about(path), at_work(chosen.name, "the model is read"):
         model = with_init()
         said: list[str] = []
-        try:
-            ready = ready_to_run(model, said)
-        except InvalidValueError:
-            if chosen.init or model.is_library:
-                raise
-            model, used = with_scripts(model, with_init, _lacks)
-            said = taken_from(used)
-            ready = ready_to_run(model, said)
+        with _told_of_library(model, said):
+            try:
+                ready = ready_to_run(model, said)
+            except InvalidValueError:
+                if chosen.init:
+                    raise
+                model, used = with_scripts(model, with_init, _lacks)
+                said += taken_from(used)
+                ready = ready_to_run(model, said)
     mechanism = ready.diagram.mechanism
     return model, ready, [*said, *(found_alone(mechanism.only) if mechanism else ())]
+
+
+@contextmanager
+def _told_of_library(model: Model, said: list[str]) -> Iterator[None]:
+    """Tell that a model is a library: whether it runs, or in place of why it does not."""
+    if not model.is_library:
+        yield
+        return
+    said.append("it is a library: its blocks run by themselves, with nothing at their ports")
+    try:
+        yield
+    except InvalidValueError:
+        raise InvalidValueError(
+            "it is a library, whose blocks are for other models, and does not run by itself: run "
+            "a model that uses them"
+        ) from None
 
 
 def _lacks(model: Model) -> list[Lack]:

@@ -62,8 +62,11 @@ def test_leaving_nothing_out_is_refused(here, capsys):
 
 
 @pytest.mark.parametrize("command", ["run", "port"])
-def test_a_library_is_no_model_to_run(here, capsys, command):
-    parts = pendulum().parts()
+def test_a_library_that_does_not_run_is_told_as_one(here, capsys, command):
+    """In place of what its blocks lack, which the models give that use them."""
+    built = pendulum()
+    built.set("Rod", BrickDimensions="[0.02 long 0.02]")
+    parts = built.parts()
     whole = "simulink/blockdiagram.xml"
     parts[whole] = parts[whole].replace("<Model", "<Library").replace("</Model>", "</Library>")
     parts[whole] = parts[whole].replace("<LibraryInformation", "<ModelInformation")
@@ -71,4 +74,5 @@ def test_a_library_is_no_model_to_run(here, capsys, command):
     write_parts(here / "m.slx", parts)
     assert main([command, "m.slx", "--out", "m.py"]) == 2
     assert "m.slx: it is a library, whose blocks are for other models" in capsys.readouterr().err
-    assert main(["sdf", "m.slx"]) == 0
+    assert main([command, "m.slx", "--out", "m.py", "--set", "long=1"]) == 0
+    assert "it is a library: its blocks run by themselves" in capsys.readouterr().err

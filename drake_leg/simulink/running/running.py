@@ -155,10 +155,6 @@ def runnable(
     """
     if duration is not None:
         require_non_negative("the duration", duration, "s")
-    if model.is_library:
-        raise InvalidValueError(
-            "it is a library, whose blocks are for other models: run a model that uses them"
-        )
     model = replaced(model, replace or {})
     if solve_loops is None:
         solve_loops = model.solver.get(LOOPS) in _SOLVED
