@@ -59,6 +59,7 @@ def of_postures():
         yield f"scara {kind}", draw
 
 
+RIM = 0.02  # [in]
 FAST = ("pendulum",)  # and shorter, with the fast tests
 # Every figure there is, in groups of functions that draw them, by name.
 DRAWN = [
@@ -102,10 +103,11 @@ def boxes_of(figure):
     return boxes + [("legend", legend.get_window_extent()) for legend in legends]
 
 
-def overlapping(boxes):
+def overlapping(boxes, dpi):
+    """Pairs of texts that share more than a rim, as boxes are higher than their letters."""
     for (first, box), (second, other) in combinations(boxes, 2):
         shared = box.intersection(box, other)
-        if shared is not None and min(shared.width, shared.height) >= 2.0:
+        if shared is not None and min(shared.width, shared.height) >= RIM * dpi:
             yield first, second
 
 
@@ -116,7 +118,7 @@ def test_nothing_that_is_written_hides_anything_or_leaves_the_figure(drawn):
         figure = fitted(draw)
         boxes = boxes_of(figure)
         if not any(axes.name == "3d" for axes in figure.axes):
-            assert list(overlapping(boxes)) == [], name
+            assert list(overlapping(boxes, figure.dpi)) == [], name
             assert figure.get_figwidth() == WIDTH
         for label, box in boxes:
             inside = box.x0 > -1.0 and box.x1 < figure.bbox.x1 + 1.0
