@@ -1,6 +1,6 @@
 """Words in sentences: what is counted, articles, quotation marks."""
 
-from drake_leg.arguments import counted, quoted, with_article
+from drake_leg.arguments import counted, quoted, some_of, with_article
 
 
 def test_words_agree_with_their_numbers():
@@ -16,3 +16,8 @@ def test_articles_are_as_they_are_said():
 
 def test_backslashes_are_quoted_as_they_are_typed():
     assert quoted(r"C:\Users\leg.step") == r"'C:\Users\leg.step'"
+
+
+def test_the_first_of_some_names_are_named_and_the_others_counted():
+    assert [some_of("abc"[:n], 2) for n in (1, 2, 3)] == ["a", "a, b", "a, b and 1 more"]
+    assert some_of(["a", "b"], 5, "; ") == "a; b"

@@ -10,6 +10,7 @@ from shutil import copy
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from drake_leg.arguments import some_of
 from drake_leg.cli.model_files import as_many, opened
 from drake_leg.cli.terminal import fail, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
@@ -86,7 +87,7 @@ def _remark_hidden(meshes: Meshes) -> None:
     if meshes.missing:
         remark(
             f"not shown, as they are neither beside the model nor in a folder that --path names: "
-            f"{_some(meshes.missing)}"
+            f"{some_of(meshes.missing, SHOWN)}"
         )
     for sentence in _unread(meshes):
         remark(sentence)
@@ -95,21 +96,16 @@ def _remark_hidden(meshes: Meshes) -> None:
 def _unread(meshes: Meshes) -> Iterator[str]:
     if meshes.unread:
         reasons = set(meshes.unread.values())
-        yield f"not shown: {_some(list(meshes.unread))} ({'; '.join(sorted(reasons))})"
+        yield f"not shown: {some_of(list(meshes.unread), SHOWN)} ({'; '.join(sorted(reasons))})"
 
 
 def _absent(meshes: Meshes, bare: Sequence[str]) -> Iterator[str]:
     """Say in a picture which shapes it lacks, and of which bodies it shows rods instead."""
     if meshes.missing:
-        yield f"not shown, as no such file was found: {_some(meshes.missing)}"
+        yield f"not shown, as no such file was found: {some_of(meshes.missing, SHOWN)}"
     yield from _unread(meshes)
     if bare:
-        yield f"rods stand for bodies without shapes: {_some(bare)}"
-
-
-def _some(names: Sequence[str]) -> str:
-    shown = ", ".join(names[:SHOWN])
-    return shown if len(names) <= SHOWN else f"{shown} and {len(names) - SHOWN} more"
+        yield f"rods stand for bodies without shapes: {some_of(bare, SHOWN)}"
 
 
 @contextmanager
@@ -153,8 +149,8 @@ def read_mechanism(path: Path, chosen: argparse.Namespace) -> Mechanism:
 def taken_from(used: Sequence[Suggestion]) -> list[str]:
     """Say which scripts gave values that nobody named."""
     return [
-        f"{_some(script.names)} taken from {script.path}: give --init to choose another file"
-        f"{as_many(script)}"
+        f"{some_of(script.names, SHOWN)} taken from {script.path}: "
+        f"give --init to choose another file{as_many(script)}"
         for script in used
     ]
 
@@ -168,7 +164,7 @@ def found_alone(only: Mapping[str, Array]) -> Iterator[str]:
         )
         yield (
             "found as the only ones of their kinds, though another point may be meant: "
-            f"{_some(list(places))}; --feature places them"
+            f"{some_of(list(places), SHOWN)}; --feature places them"
         )
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_leg.arguments import printable
+from drake_leg.arguments import printable, some_of
 from drake_leg.cli.terminal import numbers, refuse_ignored
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink import ENDINGS
@@ -189,12 +189,11 @@ def asked_for(model: Model) -> list[str]:
             "",
             f"give each name a value: --set {first}=1, or --init FILE with a script that does",
         ]
-    sets = ", ".join(map(printable, hint.names[:_SHOWN]))
-    more = f" and {len(hint.names) - _SHOWN} more" if len(hint.names) > _SHOWN else ""
+    sets = some_of([*map(printable, hint.names)], _SHOWN)
     return [
         "",
         f"perhaps --init {shlex.quote(printable(str(hint.path)))}",
-        f"  which sets {sets}{more}{as_many(hint)}; or give each name a value: --set {first}=1",
+        f"  which sets {sets}{as_many(hint)}; or give each name a value: --set {first}=1",
     ]
 
 
@@ -202,9 +201,8 @@ def as_many(hint: Suggestion) -> str:
     """Name the files that would do as well as the one that is suggested."""
     if not hint.others:
         return ""
-    shown = ", ".join(printable(str(path)) for path in hint.others[:_OTHERS])
-    more = f" and {len(hint.others) - _OTHERS} more" if len(hint.others) > _OTHERS else ""
-    return f" ({shown}{more} would set as many)"
+    shown = some_of([printable(str(path)) for path in hint.others], _OTHERS)
+    return f" ({shown} would set as many)"
 
 
 def variables_in(settings: Sequence[str]) -> dict[str, str]:

@@ -11,6 +11,7 @@ import textwrap
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from drake_leg.arguments import some_of
 from drake_leg.cli.inputs import FILE, ROBOT_NAMES, RobotSource, add_numbers, robot_source
 from drake_leg.cli.models import (
     add_model,
@@ -138,9 +139,8 @@ def _own(
         remark(f"too large for SymPy: {'; '.join(too_large)}; give it a table of fewer rows")
     if not undone:
         return STOPPED_EARLY if too_large else 0
-    more = f" and {len(undone) - MOST_NAMED} more" if len(undone) > MOST_NAMED else ""
     return fail(
-        f"not derived within {budget.seconds:g} s: {'; '.join(undone[:MOST_NAMED])}{more}: give it "
+        f"not derived within {budget.seconds:g} s: {some_of(undone, MOST_NAMED, '; ')}: give it "
         "more with --budget",
         STOPPED_EARLY,
     )

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from drake_leg.arguments import printable
+from drake_leg.arguments import printable, some_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.pictures.drawing import draw
 from drake_leg.pictures.embedding import embedded_png, embedded_svg
 from drake_leg.pictures.of_simulink import model_pictures
 from drake_leg.pictures.outline import outline_picture
 from drake_leg.pictures.svg import Picture
-from drake_leg.simulink.listing import NotUnderstood, not_understood, some_of
+from drake_leg.simulink.listing import PLACES, NotUnderstood, not_understood
 from drake_leg.simulink.matlab.data import Cell, Struct, Structs
 from drake_leg.simulink.model import Model
 from drake_leg.simulink.multibody.bodies import Mechanism
@@ -289,7 +289,7 @@ def _not_understood(
     lacking: NotUnderstood, left_out: Mapping[str, Sequence[str]], untold: Sequence[str]
 ) -> Iterator[Part]:
     if left_out:
-        rows = [(kind, printable(some_of(names))) for kind, names in left_out.items()]
+        rows = [(kind, printable(some_of(names, PLACES))) for kind, names in left_out.items()]
         yield _part("Left out of the motion", ("kind", "blocks"), rows)
     if untold:
         yield _part("Missing for a run", ("reason",), [(printable(one),) for one in untold])
@@ -297,7 +297,9 @@ def _not_understood(
         ("Kinds of blocks", ("kind", "blocks"), lacking.kinds),
         ("Names without a value", ("name", "used by"), lacking.names),
     ):
-        rows = [(printable(name), printable(some_of(places))) for name, places in found.items()]
+        rows = [
+            (printable(name), printable(some_of(places, PLACES))) for name, places in found.items()
+        ]
         if rows:
             yield _part(title, head, rows)
     if lacking.others:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
-from drake_leg.arguments import printable
+from drake_leg.arguments import printable, some_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.pictures.mechanical import SIGNAL_WIDTH, number_text, values_text
 from drake_leg.pictures.simulink_mechanism import (
@@ -341,12 +341,11 @@ def _require_drawable(picture: Picture, part: str, model: Model) -> None:
     if len(picture.blocks) <= MOST_BLOCKS:
         return
     systems = largest_subsystems(model, MOST_BLOCKS)
-    listed = ", ".join(f"{printable(path)!r} of {n} blocks" for path, n in systems[:MOST_LISTED])
-    more = f" and {len(systems) - MOST_LISTED} more" if len(systems) > MOST_LISTED else ""
+    listed = some_of([f"{printable(path)!r} of {n} blocks" for path, n in systems], MOST_LISTED)
     raise InvalidValueError(
         f"the picture of its {part} would have {len(picture.blocks)} blocks; at most "
         f"{MOST_BLOCKS} can be drawn",
-        advice=f"draw a subsystem with `system`: {listed}{more}"
+        advice=f"draw a subsystem with `system`: {listed}"
         if listed
         else "put some of its blocks into subsystems",
     )

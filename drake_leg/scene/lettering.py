@@ -114,25 +114,23 @@ def width_of(text: str, size: int) -> float:
 
 def fitted(text: str, size: int, width: float) -> list[str]:
     """Break a text into lines of at most some width [pixels], after its semicolons."""
-    lines: list[str] = []
-    for part in text.split("; "):
-        together = f"{lines[-1]}; {part}" if lines else part
-        if lines and width_of(together, size) <= width:
-            lines[-1] = together
-        else:
-            lines.append(part)
-    return lines
+    return _filled(text.split("; "), "; ", size, width)
 
 
 def wrapped(text: str, size: int, width: float) -> list[str]:
     """Break a text into lines of at most some width [pixels], at its blanks."""
+    return _filled(text.split(), " ", size, width)
+
+
+def _filled(parts: Sequence[str], between: str, size: int, width: float) -> list[str]:
+    """Join parts to lines of at most some width [pixels], or of one part."""
     lines: list[str] = []
-    for word in text.split():
-        together = f"{lines[-1]} {word}" if lines else word
+    for part in parts:
+        together = f"{lines[-1]}{between}{part}" if lines else part
         if lines and width_of(together, size) <= width:
             lines[-1] = together
         else:
-            lines.append(word)
+            lines.append(part)
     return lines
 
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from drake_leg.arguments import printable
+from drake_leg.arguments import printable, some_of
 from drake_leg.errors import UnknownValueError
 from drake_leg.simulink.lacks import lacks_of
 from drake_leg.simulink.model import Block, Model, Value, split_port
@@ -20,7 +20,7 @@ from drake_leg.simulink.suggestions import suggested_init
 _WIDTH = 100
 _LONGEST_TEXT = 60
 _UNITS = "Units"
-_PLACES = 3  # where something is used, that are told
+PLACES = 3  # where something is used, that are told
 
 
 def as_json(model: Model) -> dict[str, Any]:
@@ -120,8 +120,7 @@ def _sources(model: Model) -> list[str]:
     lines = _wrapped("values  ", ", ".join(shown), 8) if shown else []
     skipped = _skipped(model)
     if skipped:
-        more = f" and {len(skipped) - _PLACES} more" if len(skipped) > _PLACES else ""
-        lines += _wrapped("skipped ", printable("; ".join(skipped[:_PLACES]) + more), 8)
+        lines += _wrapped("skipped ", printable(some_of(skipped, PLACES, "; ")), 8)
     return lines
 
 
@@ -176,19 +175,15 @@ def _lacking(model: Model) -> list[str]:
         ("names without a value", lacking.names),
     ):
         if found:
-            rows = [(f"  {printable(name)}", some_of(places)) for name, places in found.items()]
+            rows = [
+                (f"  {printable(name)}", some_of(places, PLACES)) for name, places in found.items()
+            ]
             lines += ["", f"{title} ({len(found)})", *_table(("  name", "used by"), rows)[1:]]
     if lacking.others:
         lines += ["", f"other values ({len(lacking.others)})"]
         for reason in lacking.others:
             lines += _wrapped("  ", printable(reason), 4)
     return lines
-
-
-def some_of(places: Sequence[str]) -> str:
-    """Name the first of some places, and count the others."""
-    shown = ", ".join(places[:_PLACES])
-    return shown if len(places) <= _PLACES else f"{shown} and {len(places) - _PLACES} more"
 
 
 def as_lines(model: Model) -> list[str]:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
+from drake_leg.arguments import some_of
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.simulink.model import Block, Model, split_port
 from drake_leg.simulink.wiring import is_leaf, is_open
@@ -34,10 +35,9 @@ def block_named(model: Model, name: str, *, among: Iterable[Block], aim: str) ->
             advice=did_you_mean(name, filter(None, names), _LISTED),
         )
     if len(named) > 1:
-        paths = [repr(block.path) for block in named[:SHOWN]]
-        more = f" and {len(named) - SHOWN} more" if len(named) > SHOWN else ""
+        paths = some_of([repr(block.path) for block in named], SHOWN)
         raise InvalidValueError(
-            f"{len(named)} blocks are called {name!r}: {', '.join(paths)}{more}",
+            f"{len(named)} blocks are called {name!r}: {paths}",
             advice=f"write the path of the one {aim.partition(' ')[2]}",
         )
     return named[0]

@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 from scipy.cluster.hierarchy import DisjointSet
 
-from drake_leg.arguments import with_article
+from drake_leg.arguments import some_of, with_article
 from drake_leg.errors import (
     InvalidValueError,
     MissingThingsError,
@@ -332,10 +332,9 @@ def acts(block: Block) -> bool:
 def _unplaced(blocks: Mapping[str, UnplacedFeatureError]) -> str:
     """Say in one sentence which solids have frames on a feature that nobody has placed."""
     error = max(blocks.values(), key=lambda each: each.directed)
-    named = ", ".join(map(repr, list(blocks)[:SHOWN]))
-    more = f" and {len(blocks) - SHOWN} more" if len(blocks) > SHOWN else ""
+    named = some_of([*map(repr, blocks)], SHOWN)
     on = error.problem.partition(" frame on ")[2]
-    return f"{named}{more} {'has' if len(blocks) == 1 else 'have'} a frame on {on}: {error.advice}"
+    return f"{named} {'has' if len(blocks) == 1 else 'have'} a frame on {on}: {error.advice}"
 
 
 def _own(block: Block) -> Frame:

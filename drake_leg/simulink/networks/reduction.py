@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from drake_leg.arguments import some_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block
 from drake_leg.simulink.networks.assembly import Assembly, Law, State
@@ -230,5 +231,4 @@ class _Reduction:
 
     def _named(self, sids: Iterable[str]) -> str:
         names = [repr(self.blocks[sid].name) for sid in dict.fromkeys(sids)]
-        more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-        return f"{', '.join(names[:NAMED])}{more}"
+        return some_of(names, NAMED)

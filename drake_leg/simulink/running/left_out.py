@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from drake_leg.arguments import some_of
 from drake_leg.simulink.multibody.connections import CONSTRAINTS
 
 SHOWN = 5  # names of a kind, in a sentence
@@ -30,9 +31,6 @@ def motion_of_another(left_out: LeftOut) -> Iterator[str]:
 
 def named(left_out: LeftOut) -> str:
     """Name blocks by their kinds."""
-    return ", ".join(f"{kind} {_some(names)}" for kind, names in left_out.items())
-
-
-def _some(names: Sequence[str]) -> str:
-    shown = ", ".join(map(repr, names[:SHOWN]))
-    return shown if len(names) <= SHOWN else f"{shown} and {len(names) - SHOWN} more"
+    return ", ".join(
+        f"{kind} {some_of([*map(repr, names)], SHOWN)}" for kind, names in left_out.items()
+    )

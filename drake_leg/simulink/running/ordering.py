@@ -6,6 +6,7 @@ import math
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from drake_leg.arguments import some_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block, split_port
 from drake_leg.simulink.running.kinds import Kind
@@ -33,9 +34,7 @@ class AlgebraicLoop:
     @property
     def names(self) -> str:
         """Name the blocks."""
-        more = f" and {len(self.blocks) - SHOWN} more" if len(self.blocks) > SHOWN else ""
-        shown = (f"{block.name!r} (SID {block.sid})" for block in self.blocks[:SHOWN])
-        return f"{', '.join(shown)}{more}"
+        return some_of([f"{block.name!r} (SID {block.sid})" for block in self.blocks], SHOWN)
 
     @property
     def refusal(self) -> str:

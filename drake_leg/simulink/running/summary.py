@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_leg.arguments import some_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.catalogue import JOINTS
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
@@ -157,12 +158,8 @@ def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
         more = f"; and {len(skipped) - SHOWN} more" if len(skipped) > SHOWN else ""
         yield f"skipped in scripts and callbacks: {'; '.join(skipped[:SHOWN])}{more}"
     if ready.network.entries:
-        names = ", ".join(block.name for block in ready.network.entries[:SHOWN])
-        more = f" and {len(ready.network.entries) - SHOWN} more"
-        yield (
-            "nothing is given at the model's own ports, which are 0: "
-            f"{names}{more if len(ready.network.entries) > SHOWN else ''}"
-        )
+        names = some_of([block.name for block in ready.network.entries], SHOWN)
+        yield f"nothing is given at the model's own ports, which are 0: {names}"
     if ready.code.lagging:
         nodes = ready.network.nodes
         sids = [split_port(port)[0] for port in ready.code.lagging]

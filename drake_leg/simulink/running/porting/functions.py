@@ -26,6 +26,7 @@ class NotedFolders(Folders):
         super().__init__()
         vars(self).update(vars(folders))
         self._noted: dict[str, Path] = {}  # files by the names of their functions
+        self._lines: dict[str, list[str]] = {}  # of these files
 
     def note(self, code: str, folder: Path | None = None) -> bool:
         """Note the functions that code in a folder may call; tell whether there are any.
@@ -42,8 +43,9 @@ class NotedFolders(Folders):
                 continue
             path, found = file.folder / file.name, True
             if name not in self._noted:
-                self._noted[name] = path
-                self.note(text_of(path), path.parent)
+                text = text_of(path)
+                self._noted[name], self._lines[name] = path, text.splitlines()
+                self.note(text, path.parent)
             elif self._noted[name] != path:
                 raise InvalidValueError(
                     f"the model calls two functions {name!r}, of {self._noted[name].parent} and of "
@@ -53,4 +55,4 @@ class NotedFolders(Folders):
 
     def texts(self) -> dict[str, list[str]]:
         """Return the lines of the files, by the names of their functions."""
-        return {name: text_of(path).splitlines() for name, path in sorted(self._noted.items())}
+        return dict(sorted(self._lines.items()))
