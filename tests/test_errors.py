@@ -48,7 +48,8 @@ from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import LEG_B
 from drake_leg.runs import pendulum
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.runs.options import LegBOptions, PendulumOptions, StraightOptions
+from drake_leg.runs.options import LegBOptions, StraightOptions
+from drake_leg.runs.pendulum_options import PendulumOptions
 from drake_leg.runs.step import run as run_robot
 from drake_leg.scene import artists, media
 from drake_leg.scene.artists import NoRenderingError

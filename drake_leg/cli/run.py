@@ -43,7 +43,8 @@ from drake_leg.files import ResultsFolder
 from drake_leg.pictures.formats import CHOICES, CHOSEN, formats_of
 from drake_leg.progress import ProgressBar, saved
 from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
-from drake_leg.runs.options import LoopOptions, OwnOptions, RunOptions, type_of
+from drake_leg.runs.option import type_of
+from drake_leg.runs.options import LoopOptions, OwnOptions, RunOptions
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome

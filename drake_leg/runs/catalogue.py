@@ -17,16 +17,18 @@ from drake_leg.robot.file_names import ENDINGS, is_robot_file
 from drake_leg.robot.hexapods import HEXAPODS
 from drake_leg.robot.robot import Robot
 from drake_leg.runs.options import (
-    DampedPendulumOptions,
     EllipseOptions,
-    FreePendulumOptions,
     LegAOptions,
     LegBOptions,
     LoopOptions,
     OwnOptions,
-    PendulumOptions,
     RunOptions,
     ScaraOptions,
+)
+from drake_leg.runs.pendulum_options import (
+    DampedPendulumOptions,
+    FreePendulumOptions,
+    PendulumOptions,
     SpringPendulumOptions,
 )
 from drake_leg.runs.walk_options import WalkOptions

@@ -1,47 +1,38 @@
 """The options of the runs, in the units and under the names of the command line.
 
-Each family of runs has one dataclass; a YAML file has the same keys. What an option takes follows
-from the annotation of its field, which must therefore not be postponed to a string; values from
-Python, from the command line and from a YAML file go through the same check. Methods convert
-values to SI units, and raise InvalidValueError for one that makes no sense.
+Each family of runs has one dataclass; a YAML file has the same keys. Methods convert values to SI
+units, and raise InvalidValueError for one that makes no sense.
 """
 
 import dataclasses
 import math
-import reprlib
-from collections.abc import Collection, Mapping, Set
-from contextlib import suppress
-from dataclasses import dataclass, field
-from numbers import Real
-from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Any, get_args, get_origin
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from drake_leg.errors import InvalidValueError, did_you_mean
-from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import (
     ALUMINIUM,
     HEXABOT_LENGTHS,
     LEG_A_POSTURE,
     LEG_B_POSTURE,
-    PENDULUM_SIZE,
     SCARA_LENGTHS,
     SCARA_POSTURE,
     WATER,
     LegVariant,
     hexabot_leg,
-    pendulum,
     scara,
 )
+from drake_leg.runs.option import Numbers, converted, default_of, option
 from drake_leg.simulation.integrator import INTEGRATORS, IntegratorSettings
-from drake_leg.units import DAMPING_UNITS, SPRING_UNITS, STANDARD_GRAVITY, in_si
+from drake_leg.units import DAMPING_UNITS, STANDARD_GRAVITY, in_si
 
 if TYPE_CHECKING:
     from drake_leg.kinematics.motions import EllipticStep, SineStep
 
 Direction = tuple[float, float, float]  # unit vector
 
-STATE_TARGET = 30.0  # [deg], report A, section 1.2
 INVERSE, FORWARD, NONE = "inverse", "forward", "none"  # how torques are found
 DISTURBING = ("push", "mass_error", "torque_limit", "stiffness")
 WEIGHTY = ("gravity", "density", "damping", "damping_unit")  # what no motion depends on
@@ -65,117 +56,10 @@ TIP = "which tip of a branched robot is its foot; joints that do not move it are
 NO_FILTER = "none, the motion's derivatives are wired"
 L1 = "length of the coxa or of the first arm"
 L2 = "length of the femur or of the second arm"
-LIMIT = "{} angle, beyond which a spring and a damper push back, as Simscape's joint limits do"
-TARGET = "where pendulum-damped starts; where the spring of pendulum-spring is at rest"
-
-
-@dataclass(frozen=True)
-class Numbers:
-    """A list of numbers that an option takes."""
-
-    count: int
-    words: str  # what they are, with an example
-
 
 ANGLES = Numbers(3, "three finite angles in degrees, as `q0=[90, -50, -90]`")
-ANGLE = Numbers(1, "one finite angle in degrees, as `q0=[30]`")
 VECTOR = Numbers(3, "three finite numbers, as `direction=[1, 0, 0]`")
 FORCE = Numbers(3, "three numbers in N, as `push=[0, 0, 0.1]`")
-SIZE = Numbers(3, "length, width and height in m, as `size=[0.4, 0.01, 0.01]`")
-
-
-def option(
-    default: Any,  # noqa: ANN401
-    help_text: str,
-    unit: str = "",
-    *,
-    shown: str = "",
-    takes: Numbers | None = None,
-    joined: str = "",
-) -> Any:  # noqa: ANN401
-    """Declare an option: a dataclass field with the text of its help.
-
-    ``shown`` is the default in the help, where the value does not say it; ``takes`` is how many
-    numbers a list must have, unless that depends on the robot. A text with ``joined`` may be given
-    several times on the command line; its parts are joined by that.
-    """
-    metadata = {
-        "help": help_text,
-        "unit": unit,
-        "shown": shown,
-        "takes": takes,
-        "joined": joined,
-    }
-    if isinstance(default, list):
-        return field(default_factory=lambda: list(default), metadata=metadata)
-    return field(default=default, metadata=metadata)
-
-
-def type_of(option: "dataclasses.Field[Any]") -> type:
-    """Return what an option takes other than None: float, list (of numbers), str or bool."""
-    kind: Any = next(kind for kind in _types(option) if kind is not NoneType)
-    origin: type = get_origin(kind) or kind
-    return origin
-
-
-def _types(option: "dataclasses.Field[Any]") -> tuple[Any, ...]:
-    return get_args(option.type) if isinstance(option.type, UnionType) else (option.type,)
-
-
-def converted(option: "dataclasses.Field[Any]", value: object) -> object:
-    """Convert a value to the type of an option.
-
-    Raises
-    ------
-    InvalidValueError
-        If the option does not take such a value.
-    """
-    kind = type_of(option)
-    if value is None and NoneType in _types(option):
-        return None
-    if kind is list:
-        return _numbers(option, value)
-    if kind is float:
-        return finite_number(option.name, value)
-    if not isinstance(value, kind):
-        wanted = "true or false" if kind is bool else "a string"
-        raise InvalidValueError(f"{option.name} is {reprlib.repr(value)}; it must be {wanted}")
-    return value
-
-
-def _numbers(option: "dataclasses.Field[Any]", value: object) -> list[float]:
-    """Read a list; a single number is a list of one."""
-    takes: Numbers | None = option.metadata["takes"]
-    words = takes.words if takes else "a list of finite numbers, as [90, -50, -90]"
-    items = [value] if isinstance(value, Real) else value
-    if isinstance(items, str | bytes | Mapping | Set) or not isinstance(items, Collection):
-        raise InvalidValueError(f"{option.name} is {reprlib.repr(value)}; it must be {words}")
-    numbers = [_number(option.name, item) for item in items]
-    if not all(map(math.isfinite, numbers)) or (takes and len(numbers) != takes.count):
-        raise InvalidValueError(f"{option.name} is {numbers}; it must be {words}")
-    return numbers
-
-
-def finite_number(name: str, value: object) -> float:
-    """Take a finite number.
-
-    Raises
-    ------
-    InvalidValueError
-        If it is none.
-    """
-    number = _number(name, value)
-    if not math.isfinite(number):
-        raise InvalidValueError(f"{name} is {number!r}; it must be a finite number")
-    return number
-
-
-def _number(name: str, value: object) -> float:
-    """Refuse texts, though Python would read numbers out of some of them."""
-    if not isinstance(value, bool) and isinstance(value, Real):
-        with suppress(OverflowError):
-            return float(value)
-    raise InvalidValueError(f"{name} is {reprlib.repr(value)}; it must be a finite number")
 
 
 @dataclass(kw_only=True)
@@ -231,7 +115,7 @@ class DampingOptions(IntegratedOptions):
 
     def si_damping(self) -> float:
         """Return the damping in N*m*s/rad."""
-        unit = _unit("damping", self.damping_unit, DAMPING_UNITS)
+        unit = unit_or_first("damping", self.damping_unit, DAMPING_UNITS)
         if self.damping is not None:
             return in_si("damping", self.damping, unit, DAMPING_UNITS)
         if self.damping_unit is not None:
@@ -375,7 +259,7 @@ class StepOptions(IntegratedOptions):
         known = {each.name: each for each in dataclasses.fields(self)}
         for name in names:
             value = getattr(self, name)
-            if value != _default(known[name]):
+            if value != default_of(known[name]):
                 raise InvalidValueError(
                     f"{name} is {value!r}, which means nothing where the {why}",
                     advice="leave it out",
@@ -507,144 +391,7 @@ class ScaraOptions(StepOptions, DampingOptions):
         return scara(l1=self.l1, l2=self.l2, density=self.density, damping=self.si_damping())
 
 
-@dataclass(kw_only=True)
-class PendulumOptions(DampingOptions):
-    """Options of every pendulum."""
-
-    q0: list[float] | None = option(None, Q0, "deg", shown="0", takes=ANGLE)
-    size: list[float] = option(
-        list(PENDULUM_SIZE), "length, width, height of the link", "m", takes=SIZE
-    )
-    density: float = option(WATER, "of the solids", "kg/m^3")
-    velocity_target: float = option(0.0, "speed at the start", "deg/s")
-    lower_limit: float | None = option(None, LIMIT.format("least"), "deg", shown="none")
-    upper_limit: float | None = option(None, LIMIT.format("greatest"), "deg", shown="none")
-    limit_stiffness: float | None = option(
-        None, "of the springs at the limits", "N*m/deg", shown="10000"
-    )
-    limit_damping: float | None = option(
-        None, "of the dampers at the limits", "N*m/(deg/s)", shown="10"
-    )
-    limit_width: float | None = option(
-        None, "depth beyond a limit at which spring and damper act in full", "deg", shown="0.1"
-    )
-
-    def limits(self) -> dict[str, Any]:
-        """Return bounds and stops in SI units, as ``JointMechanics`` takes them."""
-        bounds = {"lower": self.lower_limit, "upper": self.upper_limit}
-        of_stop = {
-            "stiffness": self.limit_stiffness,
-            "damping": self.limit_damping,
-            "transition_width": self.limit_width,
-        }
-        stop = {name: value for name, value in of_stop.items() if value is not None}
-        given = {side: math.radians(angle) for side, angle in bounds.items() if angle is not None}
-        if stop and not given:
-            name = next(iter(stop))
-            raise InvalidValueError(
-                f"the limit's {name.replace('_', ' ')} is {stop[name]!r} and there is no limit",
-                advice="give one, as `lower_limit=20`",
-            )
-        return {**given, **{f"{side}_stop": HardStop.rotational(**stop) for side in given}}
-
-    def start(self) -> float:
-        """Return the initial angle in rad."""
-        return math.radians(self.q0[0] if self.q0 else 0.0)
-
-    def mechanics(self) -> dict[str, Any]:
-        """Return damping, start and limits in SI units, as ``JointMechanics`` takes them."""
-        return {
-            "damping": self.si_damping(),
-            "actuated": False,
-            "position_target": StateTarget(value=self.start()),
-            "velocity_target": StateTarget(value=math.radians(self.velocity_target)),
-            **self.limits(),
-        }
-
-    def robot(self) -> Robot:
-        """Return the pendulum."""
-        length, width, height = self.size
-        return pendulum(
-            size=(length, width, height),
-            density=self.density,
-            mechanics=JointMechanics(**self.mechanics()),
-        )
-
-
-@dataclass(kw_only=True)
-class FreePendulumOptions(PendulumOptions):
-    """The free pendulum."""
-
-    duration: float = option(10.0, DURATION, "s")
-
-
-@dataclass(kw_only=True)
-class DampedPendulumOptions(PendulumOptions):
-    """The damped pendulum; its state target is where it starts, not where it goes."""
-
-    duration: float = option(30.0, DURATION, "s")
-    damping: float = option(0.01, DAMPING)
-    target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
-    q0: list[float] | None = option(None, Q0, "deg", shown="as `target`", takes=ANGLE)
-
-    def start(self) -> float:
-        """Return the state target in rad, under either of its names."""
-        if not self.q0:
-            return math.radians(STATE_TARGET if self.target is None else self.target)
-        (angle,) = self.q0
-        if self.target not in (None, angle):
-            raise InvalidValueError(
-                f"q0 is {angle:g} deg and the state target {self.target:g} deg, two names "
-                "of the angle where the simulation starts",
-                advice="give one of them",
-            )
-        return math.radians(angle)
-
-
-@dataclass(kw_only=True)
-class SpringPendulumOptions(PendulumOptions):
-    """The damped pendulum with a spring that pulls it to a target."""
-
-    duration: float = option(30.0, DURATION, "s")
-    damping: float = option(0.01, DAMPING)
-    spring_stiffness: float = option(5.0, "of the spring at the joint, in `spring_unit`")
-    spring_unit: str | None = option(
-        None, f"unit of `spring_stiffness`: {' or '.join(SPRING_UNITS)}", shown="N*m/rad"
-    )
-    target: float | None = option(None, TARGET, "deg", shown=f"{STATE_TARGET:g}")
-
-    def equilibrium(self) -> float:
-        """Return the angle in rad at which the spring is at rest."""
-        if self.target is not None and self.spring_stiffness == 0.0:
-            raise InvalidValueError(
-                f"the target is {self.target:g} deg and the spring stiffness is 0, so that nothing "
-                "pulls there",
-                advice="give a `spring_stiffness`, or leave the target out",
-            )
-        return math.radians(STATE_TARGET if self.target is None else self.target)
-
-    def si_stiffness(self) -> float:
-        """Return the spring's stiffness in N*m/rad."""
-        unit = _unit("spring", self.spring_unit, SPRING_UNITS)
-        return in_si("spring", self.spring_stiffness, unit, SPRING_UNITS)
-
-    def mechanics(self) -> dict[str, Any]:
-        """Return them with the spring."""
-        spring = {
-            "spring_stiffness": self.si_stiffness(),
-            "equilibrium_position": self.equilibrium(),
-        }
-        return super().mechanics() | spring
-
-
-def _default(option: "dataclasses.Field[Any]") -> Any:  # noqa: ANN401
-    """Return the default of an option."""
-    if option.default_factory is dataclasses.MISSING:
-        return option.default
-    return option.default_factory()
-
-
-def _unit(what: str, unit: str | None, units: Mapping[str, float]) -> str:
+def unit_or_first(what: str, unit: str | None, units: Mapping[str, float]) -> str:
     """Return the unit that was given, or the first, which is SI."""
     if unit is None:
         return next(iter(units))

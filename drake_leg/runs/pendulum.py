@@ -23,8 +23,8 @@ from drake_leg.kinematics.pendulum import (
 )
 from drake_leg.kinematics.roots import sign_change
 from drake_leg.robot.robot import Robot
-from drake_leg.runs.options import PendulumOptions
 from drake_leg.runs.outcome import SHOWN, Outcome, finer, inaccuracy, outcome_of, shows
+from drake_leg.runs.pendulum_options import PendulumOptions
 from drake_leg.simulation.integrator import IMPLICIT, IntegratorSettings
 from drake_leg.simulation.recording import Recording
 from drake_leg.simulation.run import LongestStep, Progress, Start, simulate

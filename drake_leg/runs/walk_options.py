@@ -16,7 +16,8 @@ from drake_leg.robot.ground import FOOT_STIFFNESS, Blocks, Ground, Steps
 from drake_leg.robot.hexapods import HEXAPODS
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.servos import SERVOS, Servo
-from drake_leg.runs.options import RunOptions, option
+from drake_leg.runs.option import option
+from drake_leg.runs.options import RunOptions
 from drake_leg.runs.walk_changes import Pace, changed_walk, paces
 from drake_leg.units import require_positive
 

@@ -18,7 +18,8 @@ from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.kinematics.khalil import Array
 from drake_leg.runs.catalogue import RunKind
-from drake_leg.runs.options import RunOptions, converted
+from drake_leg.runs.option import converted
+from drake_leg.runs.options import RunOptions
 from drake_leg.studies.lettered import LetteredFile
 from drake_leg.studies.variation import MOST_RUNS, Variation
 

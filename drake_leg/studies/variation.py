@@ -13,7 +13,8 @@ import numpy as np
 from drake_leg.arguments import shown
 from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.kinematics.khalil import Array
-from drake_leg.runs.options import LegOptions, RunOptions, converted, finite_number, type_of
+from drake_leg.runs.option import converted, finite_number, type_of
+from drake_leg.runs.options import LegOptions, RunOptions
 from drake_leg.units import require_finite
 
 LINKS = {"coxa": "l1", "femur": "l2", "tibia": "l3"}  # of a leg: their lengths

@@ -6,7 +6,8 @@ import pytest
 
 from drake_leg.cli.config_file import options_from_file
 from drake_leg.errors import InvalidValueError, UnreadableFileError
-from drake_leg.runs.options import DampedPendulumOptions, LegBOptions
+from drake_leg.runs.options import LegBOptions
+from drake_leg.runs.pendulum_options import DampedPendulumOptions
 
 
 def read(tmp_path, text, kind=LegBOptions):

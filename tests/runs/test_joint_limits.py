@@ -10,7 +10,8 @@ from drake_leg.kinematics.joint_stop import limit_force
 from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.runs.options import FreePendulumOptions, SpringPendulumOptions, StraightOptions
+from drake_leg.runs.options import StraightOptions
+from drake_leg.runs.pendulum_options import FreePendulumOptions, SpringPendulumOptions
 from drake_leg.runs.step import run as run_robot
 
 run_pendulum = RUNS["pendulum"].run

@@ -13,7 +13,8 @@ from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.robot.toml.writer import robot_toml
 from drake_leg.runs.catalogue import RUNS
 from drake_leg.runs.named import run
-from drake_leg.runs.options import StraightOptions, type_of
+from drake_leg.runs.option import type_of
+from drake_leg.runs.options import StraightOptions
 
 KINDS = {name: kind.options for name, kind in RUNS.items()} | {"own": StraightOptions}
 OPTIONS = [(name, field) for name, kind in KINDS.items() for field in dataclasses.fields(kind)]

@@ -5,13 +5,10 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.runs.options import (
+from drake_leg.runs.options import EllipseOptions, LegAOptions, LegBOptions, ScaraOptions
+from drake_leg.runs.pendulum_options import (
     DampedPendulumOptions,
-    EllipseOptions,
     FreePendulumOptions,
-    LegAOptions,
-    LegBOptions,
-    ScaraOptions,
     SpringPendulumOptions,
 )
 
@@ -108,30 +105,6 @@ def test_the_integrators_settings_are_passed_on():
         LegBOptions(integrator="warp").integrator_settings(0.02)
 
 
-def test_a_pendulum_starts_at_its_only_angle():
-    assert FreePendulumOptions(q0=[90.0]).start() == math.pi / 2
-    assert FreePendulumOptions().start() == 0.0
-    assert SpringPendulumOptions().start() == 0.0
-    for q0 in ([], [1.0, 2.0], [NAN], [INF]):
-        with pytest.raises(InvalidValueError, match="one finite angle"):
-            FreePendulumOptions(q0=q0).start()
-
-
-def test_the_damped_pendulum_starts_at_its_state_target_under_either_name():
-    assert DampedPendulumOptions().start() == pytest.approx(math.radians(30))
-    assert DampedPendulumOptions(target=50.0).start() == pytest.approx(math.radians(50))
-    assert DampedPendulumOptions(q0=[50.0]).start() == pytest.approx(math.radians(50))
-    assert DampedPendulumOptions(q0=[50.0], target=50.0).start() == pytest.approx(math.radians(50))
-    assert DampedPendulumOptions(target=0.0).start() == 0.0
-
-
-def test_two_different_state_targets_are_refused():
-    with pytest.raises(InvalidValueError, match="40 deg and the state target 50 deg"):
-        DampedPendulumOptions(q0=[40.0], target=50.0).start()
-    with pytest.raises(InvalidValueError, match="target is nan; it must be a finite number"):
-        DampedPendulumOptions(target=NAN).start()
-
-
 def test_an_empty_list_is_not_taken_for_nothing():
     with pytest.raises(InvalidValueError, match="one finite angle"):
         DampedPendulumOptions(q0=[]).start()
@@ -145,9 +118,3 @@ def test_a_unit_scales_the_default_and_needs_a_damping():
     with pytest.raises(InvalidValueError, match="there is no damping"):
         LegBOptions(damping_unit="N*m/(deg/s)").si_damping()
     assert LegBOptions(damping=0.0, damping_unit="N*m/(deg/s)").si_damping() == 0.0
-
-
-def test_a_target_needs_a_spring():
-    with pytest.raises(InvalidValueError, match="nothing pulls there"):
-        SpringPendulumOptions(spring_stiffness=0.0, target=30.0).equilibrium()
-    assert SpringPendulumOptions(spring_stiffness=0.0).equilibrium() == math.radians(30.0)

@@ -8,7 +8,7 @@ from scipy.special import ellipj, ellipk
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.runs.options import (
+from drake_leg.runs.pendulum_options import (
     DampedPendulumOptions,
     FreePendulumOptions,
     SpringPendulumOptions,

@@ -8,8 +8,8 @@ from drake_leg.kinematics.pendulum import PendulumModel
 from drake_leg.robot.joint_mechanics import JointMechanics
 from drake_leg.robot.robots import pendulum
 from drake_leg.runs.catalogue import RUNS
-from drake_leg.runs.options import DampedPendulumOptions, SpringPendulumOptions
 from drake_leg.runs.pendulum import MOST, Steps, implicit_step, steps_of
+from drake_leg.runs.pendulum_options import DampedPendulumOptions, SpringPendulumOptions
 
 run_pendulum = RUNS["pendulum"].run
 

@@ -59,13 +59,10 @@ from drake_leg.lab.errata.printed import (
 from drake_leg.robot.robot import Robot, Row
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 from drake_leg.robot.toml.reader import ClassicRow, khalil_rows
-from drake_leg.runs.options import (
+from drake_leg.runs.options import EllipseOptions, LegAOptions, LegBOptions, ScaraOptions
+from drake_leg.runs.pendulum_options import (
     STATE_TARGET,
     DampedPendulumOptions,
-    EllipseOptions,
-    LegAOptions,
-    LegBOptions,
-    ScaraOptions,
     SpringPendulumOptions,
 )
 from drake_leg.singularity.doctor import examine

@@ -14,8 +14,9 @@ from drake_leg.kinematics.scara import ScaraGeometry, lift_position
 from drake_leg.robot.robot import Robot
 from drake_leg.robot.robots import HEXABOT_LENGTHS, LEG_A, LEG_B, PENDULUM, SCARA
 from drake_leg.runs.catalogue import run_kind
-from drake_leg.runs.options import STATE_TARGET, LegAOptions, LegBOptions, ScaraOptions
+from drake_leg.runs.options import LegAOptions, LegBOptions, ScaraOptions
 from drake_leg.runs.outcome import Outcome
+from drake_leg.runs.pendulum_options import STATE_TARGET
 from drake_leg.symbolic.catalogue import SUBJECTS as DERIVED
 
 
