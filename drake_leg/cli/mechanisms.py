@@ -208,7 +208,7 @@ def mechanism_in_3d(
     mechanism: Mechanism, places: Sequence[Path], *, title: str | None = None
 ) -> Iterator[ShownPlant]:
     """Yield a mechanism's plant and its shapes, to be shown while their files exist."""
-    from drake_leg.scene.shown_plant import shown
+    from drake_leg.scene.showable import shown
     from drake_leg.simulink.multibody.meshes import write_meshes
     from drake_leg.simulink.multibody.plant import mechanism_scene
 

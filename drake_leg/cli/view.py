@@ -41,7 +41,7 @@ from drake_leg.runs.options import TASK
 if TYPE_CHECKING:
     from drake_leg.scene.driven_foot import Step
     from drake_leg.scene.server import Server
-    from drake_leg.scene.shown_plant import Showable
+    from drake_leg.scene.showable import Showable
     from drake_leg.scene.views import View
 
 HOST = "localhost"

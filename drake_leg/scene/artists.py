@@ -44,8 +44,8 @@ from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.pictures.plots.style import STYLE
 from drake_leg.scene.lettering import LIGHT, Paper, Pixels
+from drake_leg.scene.parts import Part
 from drake_leg.scene.scene import Scene
-from drake_leg.scene.shown_plant import Part
 from drake_leg.scene.views import View
 
 EDGE = 0.06  # of the picture's width: room around what a scene holds, for what is thick

@@ -8,7 +8,8 @@ from drake_leg.errors import SingularConfigurationError
 from drake_leg.kinematics.closed_loops import ClosedLoops
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import Robot
-from drake_leg.scene.shown_plant import Showable, ShownPlant
+from drake_leg.scene.showable import Showable
+from drake_leg.scene.shown_plant import ShownPlant
 
 
 class Closing:

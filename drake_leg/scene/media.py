@@ -46,7 +46,7 @@ from drake_leg.scene.scene import (
     motion_of,
     scene_of,
 )
-from drake_leg.scene.shown_plant import Showable
+from drake_leg.scene.showable import Showable
 from drake_leg.scene.views import View, as_view
 from drake_leg.scene.walk_overlay import (
     draw_footing,

@@ -25,15 +25,9 @@ from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.closed import closing
 from drake_leg.scene.footing import Footing
-from drake_leg.scene.shown_plant import (
-    Part,
-    Showable,
-    ShownPlant,
-    rod,
-    shortened,
-    shown,
-    size_of,
-)
+from drake_leg.scene.parts import Part, rod, size_of
+from drake_leg.scene.showable import Showable, shortened, shown
+from drake_leg.scene.shown_plant import ShownPlant
 from drake_leg.scene.views import VIEWS, WALKING_VIEWS, Framing, View, frame
 from drake_leg.scene.walked import walked
 from drake_leg.simulation.recording import Recording, without_sign_jumps

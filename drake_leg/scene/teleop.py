@@ -23,7 +23,8 @@ from drake_leg.robot.robot import Robot
 from drake_leg.scene.driven_foot import DrivenFoot, Step
 from drake_leg.scene.scene import TRACE, Scene, at_rest, scene_of
 from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of, tab_of
-from drake_leg.scene.shown_plant import ShownPlant, shown
+from drake_leg.scene.showable import shown
+from drake_leg.scene.shown_plant import ShownPlant
 from drake_leg.scene.viewer import slider_range
 from drake_leg.scene.views import VIEWS
 from drake_leg.scene.web_page import (

@@ -18,9 +18,11 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.closed import closing
+from drake_leg.scene.coordinates import Coordinate
 from drake_leg.scene.scene import TRACE, Scene, at_rest, scene_of
 from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of, open_browser
-from drake_leg.scene.shown_plant import Coordinate, Showable, ShownPlant, shown
+from drake_leg.scene.showable import Showable, shown
+from drake_leg.scene.shown_plant import ShownPlant
 from drake_leg.scene.views import View, as_view
 from drake_leg.scene.web_page import AXES, live_data, millimetres, pose_rows, web_page
 

@@ -16,7 +16,7 @@ from drake_leg.robot.robot import Robot
 from drake_leg.scene.driven_walk import DrivenWalk, WalkStep
 from drake_leg.scene.scene import TRACE, PlantMotion, Scene, scene_of
 from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of
-from drake_leg.scene.shown_plant import shown
+from drake_leg.scene.showable import shown
 from drake_leg.scene.teleop import LAPSED, LONGEST_STEP, PERIOD, Orders, VelocityCommands
 from drake_leg.scene.views import VIEWS
 from drake_leg.scene.walk_overlay import (

@@ -8,7 +8,7 @@ from drake_leg.robot.robots import LEG_B
 from drake_leg.scene.artists import rendering_fault
 from drake_leg.scene.scene import PlantMotion
 from drake_leg.scene.server import Feed, Server, Trace
-from drake_leg.scene.shown_plant import shown
+from drake_leg.scene.showable import shown
 
 PAGE = "<p>σ</p>"
 

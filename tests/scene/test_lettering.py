@@ -18,7 +18,7 @@ from drake_leg.scene.lettering import (
     write_on,
 )
 from drake_leg.scene.scene import PlantMotion, at_rest, scene_of, triad_tips
-from drake_leg.scene.shown_plant import shown
+from drake_leg.scene.showable import shown
 from drake_leg.scene.views import VIEWS
 
 POSTURES = (

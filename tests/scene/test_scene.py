@@ -27,7 +27,7 @@ from drake_leg.scene.scene import (
     triad_parts,
     triad_tips,
 )
-from drake_leg.scene.shown_plant import shown
+from drake_leg.scene.showable import shown
 from drake_leg.scene.views import VIEWS, as_view, frame
 from drake_leg.simulation.recording import Recording
 from drake_leg.simulation.run import Scopes, simulate

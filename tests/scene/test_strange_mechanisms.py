@@ -7,7 +7,8 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_leg.scene.scene import TRIAD_LENGTH, at_rest, scene_of, triad_lengths
-from drake_leg.scene.shown_plant import shown, upright
+from drake_leg.scene.showable import shown
+from drake_leg.scene.shown_plant import upright
 from drake_leg.scene.views import VIEWS
 from drake_leg.scene.web_page import stage_data
 

@@ -10,7 +10,7 @@ from drake_leg import LEG_B
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.scene import at_rest
-from drake_leg.scene.shown_plant import shown
+from drake_leg.scene.showable import shown
 
 STANDING = ((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0.5), (0, 0, 0, 1))
 

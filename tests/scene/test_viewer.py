@@ -10,7 +10,7 @@ from drake_leg.kinematics.khalil import foot_pose
 from drake_leg.robot.linkages import FOUR_BAR
 from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.robot.toml.reader import read_robot
-from drake_leg.scene.shown_plant import shown
+from drake_leg.scene.showable import shown
 from drake_leg.scene.viewer import joint_sliders, view, view_served
 
 Q = np.radians([90.0, -50.0, -90.0])
