@@ -9,9 +9,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar
 
-from yaml import MappingNode, SafeLoader, ScalarNode, YAMLError
+from yaml import MappingNode, MarkedYAMLError, SafeLoader, ScalarNode, YAMLError
+from yaml.reader import ReaderError
 
-from drake_leg.errors import InvalidValueError, UnreadableFileError
+from drake_leg.errors import InvalidValueError, UnreadableFileError, did_you_mean
 from drake_leg.files import read_text
 from drake_leg.runs.options import RunOptions
 
@@ -69,7 +70,10 @@ def options_from_file(
         content = _content(read_text(path))
         for key in content:
             if key not in keys:
-                raise ValueError(f"it has no key {key!r}")
+                raise InvalidValueError(
+                    f"it has no key {key!r}",
+                    advice=did_you_mean(key, keys, f"the keys of {name} are {', '.join(keys)}"),
+                )
         found = {
             key: convert(content.pop(key)) for key, convert in others.items() if key in content
         }
@@ -79,10 +83,18 @@ def options_from_file(
     except RecursionError:
         raise InvalidValueError(f"the config {path} is nested too deeply") from None
     except (ValueError, YAMLError) as error:
-        reason = " ".join(str(error).split())
-        raise InvalidValueError(
-            f"the config {path} is wrong: {reason}; the keys of {name} are {', '.join(keys)}"
-        ) from None
+        raise InvalidValueError(f"the config {path} is wrong: {_reason(error)}") from None
+
+
+def _reason(error: Exception) -> str:
+    """Say in one line what is wrong, and of a text that is not YAML where."""
+    if isinstance(error, ReaderError):
+        return f"its character {error.position + 1} is {chr(error.character)!r}: take it out"
+    mark = getattr(error, "problem_mark", None)
+    if isinstance(error, MarkedYAMLError) and mark is not None:
+        context = f" {error.context}" if error.context else ""
+        return f"line {mark.line + 1}, column {mark.column + 1}: {error.problem}{context}"
+    return " ".join(str(error).split())
 
 
 def _content(text: str) -> dict[str, Any]:

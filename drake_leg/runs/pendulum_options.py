@@ -51,6 +51,11 @@ class PendulumOptions(DampingOptions):
         }
         stop = {name: value for name, value in of_stop.items() if value is not None}
         given = {side: math.radians(angle) for side, angle in bounds.items() if angle is not None}
+        if len(given) == 2 and given["lower"] >= given["upper"]:
+            raise InvalidValueError(
+                f"the lower limit is {self.lower_limit:g} deg and the upper one "
+                f"{self.upper_limit:g} deg; the lower one must be less"
+            )
         if stop and not given:
             name = next(iter(stop))
             raise InvalidValueError(

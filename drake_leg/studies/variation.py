@@ -214,8 +214,8 @@ def _range(name: str, text: str) -> dict[str, Any]:
     count = _number(name, parts[2])
     if count != int(count) or not 2 <= count <= MOST_RUNS:
         raise InvalidValueError(
-            f"{name} is {text!r}, of {parts[2]} values; their count must be a whole number, at "
-            "least 2"
+            f"{name} is {text!r}, of {parts[2]} values; their count must be a whole number in "
+            f"2 ... {MOST_RUNS}"
         )
     return {"bounds": (low, high), "count": int(count)}
 

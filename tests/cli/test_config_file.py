@@ -81,3 +81,26 @@ def test_anchors_that_multiply_are_refused_at_once(tmp_path):
 def test_what_is_no_regular_file_is_refused(path):
     with pytest.raises(UnreadableFileError, match=f"the config {path} cannot be read: it is "):
         options_from_file(LegBOptions, "leg-b", Path(path))
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("amplitud: 1", "it has no key 'amplitud': did you mean amplitude?"),
+        ("duration: [1,\n2", "line 2, column 2: expected ',' or ']'"),
+        ("duration: 1: 2", "line 1, column 12: mapping values are not allowed here"),
+        ("duration: \x01", r"its character 11 is '\x01': take it out"),
+    ],
+)
+def test_what_is_wrong_is_said_with_its_place_and_without_a_list_of_all_keys(
+    tmp_path, text, sentence
+):
+    with pytest.raises(InvalidValueError) as caught:
+        read(tmp_path, text)
+    assert f"config.yaml is wrong: {sentence}" in str(caught.value)
+    assert "the keys of" not in str(caught.value)
+
+
+def test_a_key_that_is_like_no_other_is_refused_with_all_of_them(tmp_path):
+    with pytest.raises(InvalidValueError, match="no key 'zebra': the keys of leg-b are duration"):
+        read(tmp_path, "zebra: 1")

@@ -40,3 +40,8 @@ def test_a_target_needs_a_spring():
     with pytest.raises(InvalidValueError, match="nothing pulls there"):
         SpringPendulumOptions(spring_stiffness=0.0, target=30.0).equilibrium()
     assert SpringPendulumOptions(spring_stiffness=0.0).equilibrium() == math.radians(30.0)
+
+
+def test_limits_in_the_wrong_order_are_refused_in_degrees():
+    with pytest.raises(InvalidValueError, match="lower limit is 20 deg and the upper one 10 deg"):
+        FreePendulumOptions(lower_limit=20.0, upper_limit=10.0).limits()
