@@ -15,7 +15,8 @@ from drake_leg.arguments import counted
 from drake_leg.cli.mechanisms import about, found_alone, mechanism_in_3d, places_of, taken_from
 from drake_leg.cli.model_files import opened, replacements_in
 from drake_leg.cli.model_page import check_page, write_page, write_page_of_lacks
-from drake_leg.cli.run import check_shows, fields_by_name, shows_of
+from drake_leg.cli.run_options import fields_by_name
+from drake_leg.cli.shows import check_shows, shows_of
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,

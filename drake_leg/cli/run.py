@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
@@ -20,6 +19,8 @@ from drake_leg.cli.model_files import (
     refuse_model_run_options,
 )
 from drake_leg.cli.model_page import add_page_option
+from drake_leg.cli.run_options import add_run_options, explain_run, options_from, overridden
+from drake_leg.cli.shows import add_shows, check_shows, shows_of
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,
@@ -27,32 +28,26 @@ from drake_leg.cli.terminal import (
     STOPPED_EARLY,
     Pictures,
     add_output,
-    as_options,
     at_work,
     fail,
-    numbers,
-    option_of,
     place_given_by,
     refuse_ignored,
     remark,
     remark_if_sketched,
     stop_note,
 )
-from drake_leg.errors import InvalidValueError, OutputError, require_matplotlib
+from drake_leg.errors import InvalidValueError, require_matplotlib
 from drake_leg.files import ResultsFolder
 from drake_leg.pictures.formats import CHOICES, CHOSEN, formats_of
 from drake_leg.progress import ProgressBar, saved
 from drake_leg.runs.catalogue import RUNS, RunKind, run_kind
-from drake_leg.runs.option import type_of
-from drake_leg.runs.options import LoopOptions, OwnOptions, RunOptions
+from drake_leg.runs.options import RunOptions
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
     from drake_leg.scene.scene import PlantMotion
 
 STRAIGHT = 0.01  # [deg]; a walk that was to turn by less goes straight
-OWN, LOOPS = "a robot of your own", "a robot with closed loops"
-ENDINGS = {"replay": (".html",), "video": (".mp4", ".gif")}  # of the files of these options
 
 
 def configure_run(parser: argparse.ArgumentParser) -> None:
@@ -85,7 +80,7 @@ def configure_run(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     add_feature_option(parser)
     add_model_run_options(parser)
-    explain = partial(_explained, options=add_run_options(parser))
+    explain = partial(explain_run, options=add_run_options(parser))
     parser.set_defaults(command=_run, explain=explain)
 
 
@@ -246,190 +241,15 @@ def _cost(summary: Mapping[str, Any], disturbed: Mapping[str, Any]) -> str:
     return said
 
 
-# --- options ----------------------------------------------------------------------------------
-
-
-def _explained(chosen: argparse.Namespace, options: Sequence[argparse.Action]) -> None:
-    """Explain the options that one run has alone, in the help after its name."""
-    if chosen.name not in RUNS:
-        return
-    known = {field.name: field for field in dataclasses.fields(RUNS[chosen.name].options)}
-    for option in options:
-        own = known.get(option.dest)
-        option.help = argparse.SUPPRESS if own is None else _help_of({chosen.name: own}, only=True)
-
-
-def add_run_options(parser: argparse.ArgumentParser) -> list[argparse.Action]:
-    """Add the options of all runs, and ``--config``; return the options of runs."""
-    parser.add_argument(
-        "--config",
-        type=Path,
-        metavar="FILE",
-        help="YAML file whose keys are these options, with underscores and in the same units; "
-        "options on the command line override it",
-    )
-    group = parser.add_argument_group("options of runs")
-    added = []
-    for option, fields in fields_by_name().items():
-        first = next(iter(fields.values()))
-        takes: dict[str, Any] = (
-            {"action": "store_true"} if type_of(first) is bool else {"metavar": _metavar(first)}
-        )
-        if first.metadata["joined"]:
-            takes["action"] = "append"
-        one = group.add_argument(
-            option_of(option), default=argparse.SUPPRESS, help=_help_of(fields), **takes
-        )
-        added.append(one)
-    return added
-
-
-def _help_of(fields: dict[str, dataclasses.Field[Any]], *, only: bool = False) -> str:
-    """Explain an option by its fields, by run: text, unit, defaults; of ``only`` one run."""
-    first = next(iter(fields.values()))
-    unit = first.metadata["unit"]
-    default = f"default {_default_text(first)}" if only else _defaults_text(fields)
-    text = f"{first.metadata['help']}{f' [{unit}]' if unit else ''} ({default})"
-    return as_options(text).replace("%", "%%")
-
-
-def options_of(kind: RunKind, chosen: argparse.Namespace) -> RunOptions:
-    """Combine the options: defaults, then the file's, then the command line's."""
-    options, _ = _from_file(kind, chosen, {})
-    return _overridden(kind, options, chosen)
-
-
 def _options_and_formats(
     kind: RunKind, chosen: argparse.Namespace
 ) -> tuple[RunOptions, tuple[str, ...]]:
     """Combine the options, and find the formats of the figures in the same way."""
-    options, others = _from_file(kind, chosen, {"figures": formats_of})
+    options, others = options_from(kind, chosen, {"figures": formats_of})
     formats = others.get("figures", CHOICES[CHOSEN])
     if chosen.figures is not None:
         formats = formats_of(chosen.figures)
-    return _overridden(kind, options, chosen), formats
-
-
-def _from_file(
-    kind: RunKind, chosen: argparse.Namespace, others: Mapping[str, Callable[[object], Any]]
-) -> tuple[RunOptions, dict[str, Any]]:
-    """Read the file, if there is one."""
-    if not chosen.config:
-        return kind.options(), {}
-    from drake_leg.cli.config_file import options_from_file
-
-    return options_from_file(kind.options, chosen.name, chosen.config, others)
-
-
-def _overridden(kind: RunKind, options: RunOptions, chosen: argparse.Namespace) -> RunOptions:
-    """Put the command line's options in the place of the file's."""
-    known = {field.name: field for field in dataclasses.fields(kind.options)}
-    given = {name: text for name, text in vars(chosen).items() if name in fields_by_name()}
-    for name in given:
-        if name not in known:
-            runs = list(fields_by_name()[name])
-            raise InvalidValueError(
-                f"{chosen.name} has no option {option_of(name)}",
-                advice=f"only {', '.join(runs)} {'has' if len(runs) == 1 else 'have'} it",
-            )
-    values: dict[str, Any] = {name: _value(known[name], text) for name, text in given.items()}
-    return dataclasses.replace(options, **values)
-
-
-def fields_by_name() -> dict[str, dict[str, dataclasses.Field[Any]]]:
-    """Collect the options of all runs: option -> run -> field."""
-    found: dict[str, dict[str, dataclasses.Field[Any]]] = {}
-    for name, kind in RUNS.items():
-        for field in dataclasses.fields(kind.options):
-            found.setdefault(field.name, {})[name] = field
-    for who, options in ((OWN, OwnOptions), (LOOPS, LoopOptions)):
-        for field in dataclasses.fields(options):
-            found.setdefault(field.name, {who: field})
-    return found
-
-
-def _default_of(field: dataclasses.Field[Any]) -> object:
-    if field.default_factory is not dataclasses.MISSING:
-        return field.default_factory()
-    return field.default
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, list):
-        return ",".join(f"{number:g}" for number in value)
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
-
-
-def _default_text(field: dataclasses.Field[Any]) -> str:
-    """Write the default of one run."""
-    text: str = field.metadata["shown"] or _shown(_default_of(field))
-    return text
-
-
-def _defaults_text(fields: dict[str, dataclasses.Field[Any]]) -> str:
-    """Write the default, for each run if they differ, and which runs have the option."""
-    runs_of: dict[str, list[str]] = {}
-    for name, field in fields.items():
-        runs_of.setdefault(_default_text(field), []).append(name)
-    everywhere = len(fields) == len(RUNS)
-    if len(runs_of) == 1 and everywhere:
-        return f"default {next(iter(runs_of))}"
-    return "; ".join(f"{', '.join(names)}: {text}" for text, names in runs_of.items())
-
-
-def _metavar(field: dataclasses.Field[Any]) -> str:
-    kind = type_of(field)
-    return "X,Y,Z" if kind is list else "TEXT" if kind is str else "X"
-
-
-def _value(field: dataclasses.Field[Any], text: str | list[str]) -> object:
-    """Read numbers; the options check them, as they do for Python."""
-    if isinstance(text, list):
-        joined: str = field.metadata["joined"]
-        return joined.join(text)
-    kind = type_of(field)
-    if kind not in (list, float):
-        return text
-    read = numbers(option_of(field.name), text, None if kind is list else 1)
-    return read if kind is list else read[0]
-
-
-# --- a page, a video, stills ------------------------------------------------------------------
-
-
-def add_shows(parser: argparse.ArgumentParser) -> None:
-    """Add ``--replay``, ``--video`` and ``--stills``."""
-    parser.add_argument(
-        "--replay", type=Path, metavar="FILE", help="write a page that replays the run (.html)"
-    )
-    parser.add_argument(
-        "--video", type=Path, metavar="FILE", help="write a video of the run (.mp4, .gif)"
-    )
-    parser.add_argument(
-        "--stills",
-        action="store_true",
-        help="add pictures from every side to DIR, at the start; of a walk, in its middle",
-    )
-
-
-def shows_of(chosen: argparse.Namespace) -> dict[str, Path]:
-    """Return the files to write in addition to the folder of results, by option."""
-    given = {"replay": chosen.replay, "video": chosen.video}
-    return {option: path for option, path in given.items() if path is not None}
-
-
-def check_shows(chosen: argparse.Namespace) -> None:
-    """Refuse files that cannot be written, before work is done for them."""
-    for option, path in shows_of(chosen).items():
-        from drake_leg.scene.media import check_show  # not needed without these options
-
-        if path.suffix.lower() not in ENDINGS[option]:
-            endings = " or ".join(ENDINGS[option])
-            raise OutputError(f"--{option} is {path}; its name must end in {endings}")
-        with place_given_by(f"--{option}"):
-            check_show(path, overwrite=chosen.overwrite)
+    return overridden(kind, options, chosen), formats
 
 
 def _write_shows(

@@ -20,7 +20,7 @@ from drake_leg.cli.model_files import (
     is_model,
     opened,
 )
-from drake_leg.cli.run import add_run_options, fields_by_name, options_of
+from drake_leg.cli.run_options import add_run_options, fields_by_name, options_of
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
 from drake_leg.progress import uncollected

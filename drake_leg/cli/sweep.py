@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from drake_leg.cli.inputs import add_numbers, named_or_robot, settings_of
-from drake_leg.cli.run import add_run_options, options_of
+from drake_leg.cli.run_options import add_run_options, options_of
 from drake_leg.cli.terminal import (
     BAD_INPUT,
     FAILED,

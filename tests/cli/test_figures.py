@@ -83,9 +83,8 @@ def test_another_word_is_refused_in_a_sentence_before_the_run(word, advice, monk
     assert capsys.readouterr().err == f"drake-leg: {sentence}{advice}\n"
     Path("run.yaml").write_text(f"figures: '{word}'\n", encoding="utf-8")
     assert main([*SHORT, "--config", "run.yaml"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"drake-leg: the config run.yaml is wrong: {sentence}{advice}; the keys")
-    assert line.endswith(", figures")
+    said = capsys.readouterr().err
+    assert said == f"drake-leg: the config run.yaml is wrong: {sentence}{advice}\n"
     assert not Path("out").exists()
 
 

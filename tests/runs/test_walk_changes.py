@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drake_leg.cli.entry import _build_parser
-from drake_leg.cli.run import options_of
+from drake_leg.cli.run_options import options_of
 from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.kinematics.walking.gaits import Walk
 from drake_leg.kinematics.walking.sequence import WalkSequence
