@@ -13,14 +13,7 @@ from threading import Lock
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydrake.geometry import (
-    Box,
-    HalfSpace,
-    Rgba,
-    Role,
-    SceneGraphInspector,
-    Sphere,
-)
+from pydrake.geometry import Box, HalfSpace, Rgba, Role, SceneGraphInspector, Sphere
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, ModelInstanceIndex, RigidBody
 

@@ -16,7 +16,8 @@ from markupsafe import Markup
 
 from drake_leg.errors import PictureError
 from drake_leg.kinematics.leg import LegGeometry
-from drake_leg.lab.errata.catalogue import number, texts_by_number
+from drake_leg.lab.errata.catalogue import texts_by_number
+from drake_leg.lab.errata.wording import number
 from drake_leg.lab.page.contents import GAIN, RUNS, Item, chapters, command
 from drake_leg.lab.page.items import ItemMaker, ShownItem, missing
 from drake_leg.lab.page.pieces import (

@@ -11,7 +11,7 @@ from scipy.integrate import cumulative_trapezoid, solve_ivp
 from scipy.spatial.transform import Rotation
 
 from drake_leg.kinematics.khalil import base_transforms, foot_pose, jacobian, row_transform
-from drake_leg.lab.errata.catalogue import Erratum, angles, errata, erratum_of, number, vector
+from drake_leg.lab.errata.catalogue import Erratum, errata, erratum_of
 from drake_leg.lab.errata.printed import (
     J12_PRINTED,
     J12_RIGHT,
@@ -25,6 +25,7 @@ from drake_leg.lab.errata.printed import (
     scara_matrices,
     texts,
 )
+from drake_leg.lab.errata.wording import angles, number, vector
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.runs.catalogue import RUNS
@@ -147,7 +148,7 @@ def test_an_erratum_cannot_be_changed():
 
 
 def test_effects_are_computed_at_call_time(monkeypatch):
-    monkeypatch.setattr("drake_leg.lab.errata.catalogue.STATE_TARGET", 45.0)
+    monkeypatch.setattr("drake_leg.lab.errata.of_the_pendulum.STATE_TARGET", 45.0)
     assert numbers(errata()[1].effect)[:2] == [45.0, 90.0]
     assert errata()[1].effect != erratum_of(2).effect
 
