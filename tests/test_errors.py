@@ -53,7 +53,7 @@ from drake_leg.runs.pendulum_options import PendulumOptions
 from drake_leg.runs.step import run as run_robot
 from drake_leg.scene import artists, media
 from drake_leg.scene.artists import NoRenderingError
-from drake_leg.scene.scene import OtherRobotError
+from drake_leg.scene.motion import OtherRobotError
 from drake_leg.scene.server import RefusedError, ServerError
 from drake_leg.scene.web_page import MeshcatError, PageError
 from drake_leg.simulation import following

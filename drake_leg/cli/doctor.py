@@ -47,7 +47,7 @@ from drake_leg.robot.robot import Robot
 if TYPE_CHECKING:
     from drake_leg.kinematics.feet import Feet
     from drake_leg.pictures.plots.singularity_maps import Maps
-    from drake_leg.singularity.doctor import Diagnosis
+    from drake_leg.singularity.diagnosis import Diagnosis
 
 
 def configure_doctor(parser: argparse.ArgumentParser) -> None:
@@ -243,7 +243,7 @@ def _foot_alone(chosen: argparse.Namespace, robot: Robot) -> int:
             "there is nothing to examine: give a posture by --q, or a point for the foot by --foot"
         )
     from drake_leg.kinematics.feet import feet
-    from drake_leg.singularity.doctor import feet_json
+    from drake_leg.singularity.diagnosis import feet_json
 
     with at_work(f"doctor of {chosen.robot}", "postures for the foot"):
         found = feet(robot, **place)
@@ -280,7 +280,7 @@ def _lines(diagnosis: Diagnosis) -> list[str]:
 
 
 def _feet_lines(found: Feet) -> list[str]:
-    from drake_leg.singularity.doctor import feet_entries
+    from drake_leg.singularity.diagnosis import feet_entries
 
     (name, heading), *solutions = feet_entries(found)
     return [f"{name:<15} {as_options(heading)}", *(f"{way}: {where}" for way, where in solutions)]

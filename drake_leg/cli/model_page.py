@@ -15,7 +15,7 @@ from drake_leg.files import check_file, write_text
 
 if TYPE_CHECKING:
     from drake_leg.pictures.model_page import Still
-    from drake_leg.scene.scene import PlantMotion
+    from drake_leg.scene.motion import PlantMotion
     from drake_leg.simulink.model import Model
     from drake_leg.simulink.multibody.bodies import Mechanism
 

@@ -41,7 +41,7 @@ from drake_leg.simulation.integrator import require_accuracy
 from drake_leg.units import require_positive
 
 if TYPE_CHECKING:
-    from drake_leg.scene.scene import PlantMotion
+    from drake_leg.scene.motion import PlantMotion
     from drake_leg.simulation.recording import Recording
     from drake_leg.simulink.dynamics.system import Contact
     from drake_leg.simulink.lacks import Lack
@@ -375,7 +375,7 @@ def _motion(
     chosen: argparse.Namespace, model: Model, ready: Runnable, run: ModelRun
 ) -> Iterator[PlantMotion]:
     """Yield how the mechanism moved, as something to be shown."""
-    from drake_leg.scene.scene import PlantMotion
+    from drake_leg.scene.motion import PlantMotion
     from drake_leg.simulink.multibody.bodies import mechanism_of
     from drake_leg.simulink.running.replaying import positions_of
 

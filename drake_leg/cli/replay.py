@@ -21,7 +21,7 @@ from drake_leg.robot.robot import Robot
 from drake_leg.runs.catalogue import RUNS, STEP
 
 if TYPE_CHECKING:
-    from drake_leg.scene.scene import PlantMotion
+    from drake_leg.scene.motion import PlantMotion
 
 
 def configure_replay(parser: argparse.ArgumentParser) -> None:
@@ -151,7 +151,7 @@ class _RecordedRun:
 
 def _motion(run: _RecordedRun, robot_name: str | None, given: Sequence[str] | None) -> PlantMotion:
     """Read how a robot moved, the recorded one or the one that was named."""
-    from drake_leg.scene.scene import OtherRobotError, motion_of
+    from drake_leg.scene.motion import OtherRobotError, motion_of
     from drake_leg.simulation.recording import Recording
 
     robot = run.robot() if robot_name is None else robot_source(robot_name, given).robot()

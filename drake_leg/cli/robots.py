@@ -35,7 +35,7 @@ from drake_leg.robot.symoro.writer import not_in_par, robot_par
 from drake_leg.robot.toml.writer import robot_toml
 
 if TYPE_CHECKING:
-    from drake_leg.lab.grader.tables import Finding
+    from drake_leg.lab.grader.findings import Finding
     from drake_leg.models.proof import Comparison, Proof
 
 SAMPLES, SEED = 32, 0  # of a proof
@@ -181,14 +181,15 @@ def _check_robot(source: RobotSource, chosen: argparse.Namespace) -> int:
 
 def _slips(source: RobotSource) -> list[Finding]:
     """Look for slips in a robot's table."""
-    from drake_leg.lab.grader.tables import lint_table, table_of_document
+    from drake_leg.lab.grader.table_slips import lint_table
+    from drake_leg.lab.grader.tables import table_of_document
 
     return lint_table(table_of_document(source.document()))
 
 
 def _doubts(source: RobotSource) -> list[Finding]:
     """Look at the robot itself; a file of SYMORO has said what in it is doubtful."""
-    from drake_leg.lab.grader.tables import lint_branches, lint_friction, lint_sizes
+    from drake_leg.lab.grader.table_slips import lint_branches, lint_friction, lint_sizes
 
     robot = source.robot()
     said = isinstance(source, ParSource)
@@ -209,7 +210,7 @@ def _check_table(path: Path, chosen: argparse.Namespace) -> int:
         "means nothing to a printed table alone, which is only read for slips",
     )
     from drake_leg.lab.grader.printed import read_printed
-    from drake_leg.lab.grader.tables import lint_table
+    from drake_leg.lab.grader.table_slips import lint_table
 
     table = read_printed(path).table
     if table is None:
@@ -259,7 +260,7 @@ def _summary(findings: Sequence[Finding], praise: str) -> str:
 
 def _counts(findings: Sequence[Finding]) -> tuple[int, int]:
     """Count what is wrong and what is not understood."""
-    from drake_leg.lab.grader.tables import errors, not_understood
+    from drake_leg.lab.grader.findings import errors, not_understood
 
     return len(errors(findings)), len(not_understood(findings))
 

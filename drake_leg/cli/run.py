@@ -45,7 +45,7 @@ from drake_leg.runs.options import RunOptions
 
 if TYPE_CHECKING:
     from drake_leg.runs.outcome import Outcome
-    from drake_leg.scene.scene import PlantMotion
+    from drake_leg.scene.motion import PlantMotion
 
 STRAIGHT = 0.01  # [deg]; a walk that was to turn by less goes straight
 
@@ -264,7 +264,7 @@ def _write_shows(
 
     @cache
     def motion() -> PlantMotion:
-        from drake_leg.scene.scene import motion_of
+        from drake_leg.scene.motion import motion_of
 
         ground = ground_of(outcome.summary)
         return motion_of(outcome.robot, outcome.recording, ground=ground)

@@ -9,7 +9,8 @@ from xml.sax.saxutils import escape
 
 from drake_leg.colours import Background
 from drake_leg.files import write_text
-from drake_leg.pictures.layout import Layout, lay_out_parts
+from drake_leg.pictures.layout import Layout
+from drake_leg.pictures.parts import lay_out_parts
 from drake_leg.pictures.routing import rounded
 from drake_leg.pictures.svg import (
     LABELLED,

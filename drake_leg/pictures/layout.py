@@ -1,50 +1,20 @@
-"""Lays out a block diagram: columns, order, heights, and channels for the wires.
-
-Heights minimize the bends of the wires by a linear program, after Gansner, Koutsofios, North and
-Vo, "A technique for drawing directed graphs", 1993, section 4: bends are charged by their height,
-so that most wires become straight. Ports of bars and boxes slide along their sides.
-"""
+"""Lays out a block diagram: columns, order, heights, and channels for the wires."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
-import numpy as np
-from scipy.optimize import linprog
-from scipy.sparse import coo_array
-
-from drake_leg.pictures.columns import Columns, End, Order, Track, columns_of, order_of
+from drake_leg.pictures.columns import Columns, End, Track, columns_of
+from drake_leg.pictures.heights import Heights, Programme
+from drake_leg.pictures.order import Order, order_of
 from drake_leg.pictures.routing import NEAR, Trunk, divergence, lanes_of, simplified, trunks_of
-from drake_leg.pictures.svg import (
-    LINE,
-    PORT_PAD,
-    PORT_PITCH,
-    SIZE,
-    SMALL,
-    Box,
-    Picture,
-    Point,
-    size_of,
-    text_width,
-)
+from drake_leg.pictures.svg import LINE, SIZE, SMALL, Box, Picture, Point, size_of, text_width
 
 PITCH = 9.0  # [px], between vertical lines of a channel
 BEFORE, AFTER = 10.0, 16.0  # [px], free at a channel's sides; an arrow's head is at the right one
 NARROWEST = 26.0  # [px], of a channel
 ROUNDS = 12  # of separating lines that overlap
-ROW = 1400.0  # [px], width that a row should not exceed
-BETWEEN = 36.0  # [px], two parts
-GAP = 16.0  # [px], between blocks, their captions included
-LANE_GAP = 13.0  # [px], to a lane
-# Cost of a pixel: of a bend, by what it joins; of a block's growth; of the picture's height.
-OF_BLOCKS, OF_LANE_AND_BLOCK, OF_LANES = 3.0, 4.0, 8.0
-OF_SINK, OF_SOURCE, BACKWARD = 0.3, 1.3, 0.1  # times that, at ends and beginnings, and of a loop
-OF_BAR_END = 0.8  # the same, to a bar
-BARS = ("mux", "demux")
-OF_GROWTH, OF_BAR, OF_HEIGHT = 1.5, 0.2, 0.2
-Terms = dict[int, float]
 
 
 @dataclass(frozen=True)
@@ -93,7 +63,7 @@ def _without_overlaps(
     picture: Picture, columns: Columns, order: Order
 ) -> tuple[Heights, list[dict[int, int]]]:
     """Move ends apart until no two nets overlap."""
-    programme = _Programme(picture, columns, order)
+    programme = Programme(picture, columns, order)
     apart: list[tuple[End, End, float]] = []
     for _ in range(ROUNDS):
         heights = programme.solve(apart)
@@ -260,259 +230,3 @@ class _Placing:
             following = tracks[net, track.channel + (-1 if end.left else 1)]
             for target, rest in self._ways(net, following, tracks):
                 yield target, way + rest
-
-
-def lay_out_parts(picture: Picture) -> Layout:
-    """Lay out the connected parts of a picture, and arrange them in rows."""
-    parts = _parts(picture)
-    if len(parts) < 2:
-        return lay_out(picture)
-    layouts = [lay_out(_part(picture, blocks)) for blocks in parts]
-    moved = [_moved(layout, place) for layout, place in zip(layouts, _places(layouts), strict=True)]
-    return _joined(picture, parts, moved)
-
-
-def _parts(picture: Picture) -> list[list[int]]:
-    """Find the connected components, ordered by their first blocks."""
-    parts = {index: [index] for index in range(len(picture.blocks))}
-    for net in picture.nets:
-        for other, _ in net.targets:
-            near, far = parts[net.source[0]], parts[other]
-            if near is not far:
-                near += far
-                parts.update(dict.fromkeys(far, near))
-    return [sorted(blocks) for index, blocks in parts.items() if index == min(blocks)]
-
-
-def _part(picture: Picture, blocks: Sequence[int]) -> Picture:
-    """Make a picture of one component."""
-    place = {block: index for index, block in enumerate(blocks)}
-    return Picture(
-        title=picture.title,
-        blocks=tuple(picture.blocks[block] for block in blocks),
-        nets=tuple(
-            replace(
-                net,
-                source=(place[net.source[0]], net.source[1]),
-                targets=tuple((place[block], port) for block, port in net.targets),
-            )
-            for net in picture.nets
-            if net.source[0] in place
-        ),
-    )
-
-
-def _places(layouts: Sequence[Layout]) -> Iterable[Point]:
-    """Place parts side by side until a row is full."""
-    widest = max(ROW, *(layout.width for layout in layouts))
-    x = y = height = 0.0
-    for layout in layouts:
-        if x > 0.0 and x + layout.width > widest:
-            x, y, height = 0.0, y + height + BETWEEN, 0.0
-        yield x, y
-        x, height = x + layout.width + BETWEEN, max(height, layout.height)
-
-
-def _moved(layout: Layout, place: Point) -> Layout:
-    """Move a layout right and down; its size still counts from the origin."""
-    dx, dy = place
-
-    def point(old: Point) -> Point:
-        return old[0] + dx, old[1] + dy
-
-    def box(old: Box) -> Box:
-        return replace(old, x=old.x + dx, y=old.y + dy)
-
-    def labels(old: Iterable[Label]) -> tuple[Label, ...]:
-        return tuple(replace(label, box=box(label.box)) for label in old)
-
-    def route(old: Route) -> Route:
-        return replace(
-            old, points=tuple(map(point, old.points)), drawn=tuple(map(point, old.drawn))
-        )
-
-    return replace(
-        layout,
-        boxes=tuple(map(box, layout.boxes)),
-        captions=tuple(map(labels, layout.captions)),
-        inputs={end: point(at) for end, at in layout.inputs.items()},
-        outputs={end: point(at) for end, at in layout.outputs.items()},
-        routes=tuple(map(route, layout.routes)),
-        labels=labels(layout.labels),
-        width=layout.width + dx,
-        height=layout.height + dy,
-    )
-
-
-def _joined(picture: Picture, parts: Sequence[Sequence[int]], layouts: Sequence[Layout]) -> Layout:
-    """Join the layouts of all parts, numbered as in the whole picture."""
-    found = {
-        block: (layout.boxes[index], layout.captions[index])
-        for blocks, layout in zip(parts, layouts, strict=True)
-        for index, block in enumerate(blocks)
-    }
-    inputs: dict[tuple[int, int], Point] = {}
-    outputs: dict[tuple[int, int], Point] = {}
-    routes: list[Route] = []
-    nets = {net.source: index for index, net in enumerate(picture.nets)}
-    for blocks, layout in zip(parts, layouts, strict=True):
-        inputs |= {(blocks[block], port): at for (block, port), at in layout.inputs.items()}
-        outputs |= {(blocks[block], port): at for (block, port), at in layout.outputs.items()}
-        for route in layout.routes:
-            (block, port), (target, into) = route.source, route.target
-            source = (blocks[block], port)
-            routes.append(
-                replace(route, net=nets[source], source=source, target=(blocks[target], into))
-            )
-    return Layout(
-        picture=picture,
-        boxes=tuple(found[block][0] for block in range(len(picture.blocks))),
-        captions=tuple(found[block][1] for block in range(len(picture.blocks))),
-        inputs=inputs,
-        outputs=outputs,
-        routes=tuple(routes),
-        labels=tuple(label for layout in layouts for label in layout.labels),
-        width=max(layout.width for layout in layouts),
-        height=max(layout.height for layout in layouts),
-    )
-
-
-@dataclass(frozen=True)
-class Heights:
-    """Vertical positions of all spots and of all ends of nets [px]."""
-
-    top: tuple[float, ...]  # of every spot
-    bottom: tuple[float, ...]  # without the caption
-    ends: Mapping[End, float]
-    total: float
-
-
-def caption_height(lines: int) -> float:
-    """Return the height of a block's caption [px]."""
-    return LINE * lines + 3.0 if lines else 0.0
-
-
-class _Programme:
-    """The linear program of one picture: variables, constraints and costs."""
-
-    def __init__(self, picture: Picture, columns: Columns, order: Order) -> None:
-        self.columns = columns
-        self.costs: list[float] = []
-        self.rows: list[tuple[Terms, float]] = []  # sum of the terms is at least the number
-        self.end: dict[End, int] = {}
-        self.total = self._variable(OF_HEIGHT)
-        self.top: list[int] = []
-        self.bottom: list[int] = []
-        self.margins: list[float] = []
-        for number, spot in enumerate(columns.spots):
-            if spot.block < 0:
-                self._add_lane(number)
-            else:
-                self._add_block(picture, order, number, spot.block)
-        for members in order.members:
-            self._stack(members)
-        self._charge_bends(picture)
-
-    def _variable(self, cost: float = 0.0) -> int:
-        self.costs.append(cost)
-        return len(self.costs) - 1
-
-    def _at_least(self, high: int, low: int, distance: float) -> None:
-        """Require ``high >= low + distance``."""
-        self.rows.append(({high: 1.0, low: -1.0}, distance))
-
-    def _add_lane(self, spot: int) -> None:
-        y = self._variable()
-        self.top.append(y)
-        self.bottom.append(y)
-        self.margins.append(0.0)
-        self.end[End(spot, True, 0)] = self.end[End(spot, False, 0)] = y
-
-    def _add_block(self, picture: Picture, order: Order, spot: int, index: int) -> None:
-        block = picture.blocks[index]
-        size = size_of(block)
-        growth = OF_BAR if block.glyph in BARS else OF_GROWTH
-        top, bottom = self._variable(-growth), self._variable(growth)
-        self.top.append(top)
-        self.bottom.append(bottom)
-        self.margins.append(caption_height(len(block.caption)))
-        self._at_least(bottom, top, size.height)
-        if not size.elastic:
-            self._at_least(top, bottom, -size.height)
-        for left, ports in ((False, order.inputs[spot]), (True, order.outputs[spot])):
-            ends = [self._variable() for _ in ports]
-            self.end.update({End(spot, left, port): y for port, y in zip(ports, ends, strict=True)})
-            if len(ends) == 1 and size.centered:
-                for sign in (1.0, -1.0):
-                    self.rows.append(({ends[0]: 2 * sign, top: -sign, bottom: -sign}, 0.0))
-                continue
-            pad = min(PORT_PAD, (size.height - PORT_PITCH * (len(ends) - 1)) / 2)
-            for upper, lower in zip([top, *ends], [*ends, bottom], strict=True):
-                inner = upper != top and lower != bottom
-                if ends:
-                    self._at_least(lower, upper, PORT_PITCH if inner else pad)
-
-    def _stack(self, members: list[int]) -> None:
-        """Keep a column's order, inside the picture."""
-        spots = self.columns.spots
-        if not members:
-            return
-        self.rows.append(({self.top[members[0]]: 1.0}, 0.0))
-        for upper, lower in pairwise(members):
-            blocks = (spots[upper].block >= 0) + (spots[lower].block >= 0)
-            gap = GAP if blocks == 2 else LANE_GAP
-            self._at_least(self.top[lower], self.bottom[upper], self.margins[upper] + gap)
-        self._at_least(self.total, self.bottom[members[-1]], self.margins[members[-1]])
-
-    def _charge_bends(self, picture: Picture) -> None:
-        spots = self.columns.spots
-        for track in self.columns.tracks:
-            first = track.ends[0]
-            for other in track.ends[1:]:
-                lanes = (spots[first.spot].block < 0) + (spots[other.spot].block < 0)
-                cost = (OF_BLOCKS, OF_LANE_AND_BLOCK, OF_LANES)[lanes]
-                if spots[first.spot].backward or spots[other.spot].backward:
-                    cost *= BACKWARD
-                cost *= self._share(picture, spots[first.spot].block, spots[other.spot].block)
-                bend = self._variable(cost)
-                a, b = self.end[first], self.end[other]
-                for sign in (1.0, -1.0):
-                    if a != b:
-                        self.rows.append(({bend: 1.0, a: sign, b: -sign}, 0.0))
-
-    @staticmethod
-    def _share(picture: Picture, source: int, target: int) -> float:
-        """Scale a bend's cost: wires into scopes and bars bend first, those from sources last."""
-        block = picture.blocks[target]
-        ends = target >= 0 and not block.outputs and len(block.inputs) == 1
-        begins = source >= 0 and not picture.blocks[source].inputs
-        bar = target >= 0 and block.glyph in BARS
-        share = (OF_SINK if ends else 1.0) * (OF_SOURCE if begins else 1.0)
-        return share * (OF_BAR_END if bar else 1.0)
-
-    def solve(self, apart: Iterable[tuple[End, End, float]]) -> Heights:
-        """Place blocks, lanes and ports.
-
-        For each (first, second, distance) in ``apart`` the first end is at least that far below
-        the second [px].
-        """
-        rows = [*self.rows]
-        for low, high, distance in apart:
-            rows.append(({self.end[low]: 1.0, self.end[high]: -1.0}, distance))
-        entries = [(r, c, v) for r, (terms, _) in enumerate(rows) for c, v in terms.items()]
-        row, column, value = (np.array(part) for part in zip(*entries, strict=True))
-        matrix = coo_array((value, (row, column)), shape=(len(rows), len(self.costs))).tocsr()
-        found = linprog(
-            self.costs,
-            A_ub=-matrix,
-            b_ub=[-least for _, least in rows],
-            bounds=(0, None),
-            method="highs-ds",
-        )
-        y = np.round(found.x, 3).tolist()
-        return Heights(
-            top=tuple(y[v] for v in self.top),
-            bottom=tuple(y[v] for v in self.bottom),
-            ends={end: y[v] for end, v in self.end.items()},
-            total=y[self.total],
-        )

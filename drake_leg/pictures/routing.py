@@ -10,7 +10,8 @@ from itertools import pairwise
 import numpy as np
 
 from drake_leg.kinematics.khalil import Array
-from drake_leg.pictures.columns import End, Track, sifted
+from drake_leg.pictures.columns import End, Track
+from drake_leg.pictures.order import sifted
 from drake_leg.pictures.svg import Point
 
 RADIUS = 5.0  # [px], of a corner

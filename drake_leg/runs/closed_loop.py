@@ -22,7 +22,7 @@ from drake_leg.simulation.integrator import ERROR_CONTROLLED as CONTROLLED
 from drake_leg.simulation.integrator import ROW_INTERVAL, IntegratorSettings
 from drake_leg.simulation.recording import Recording, numbered
 from drake_leg.simulation.run import Progress, Run, Start, simulate
-from drake_leg.singularity.doctor import Outside
+from drake_leg.singularity.diagnosis import Outside
 from drake_leg.systems.closed_loop import TreeDynamics
 
 STEP_OF_FALL = 0.005  # [s]

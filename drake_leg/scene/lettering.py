@@ -20,7 +20,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from drake_leg.colours import Colour
 from drake_leg.kinematics.khalil import Array
-from drake_leg.scene.scene import Scene, triad_lengths
+from drake_leg.scene.furniture import triad_lengths
+from drake_leg.scene.scene import Scene
 from drake_leg.scene.views import View
 
 Pixels = NDArray[np.uint8]  # (height, width, 3), red, green, blue

@@ -25,6 +25,7 @@ from drake_leg.scene.artists import (
     rendering_fault,
     require_rendering,
 )
+from drake_leg.scene.furniture import TRACE
 from drake_leg.scene.lettering import (
     LIGHT,
     AxisNames,
@@ -36,16 +37,8 @@ from drake_leg.scene.lettering import (
     wrapped,
     write_on,
 )
-from drake_leg.scene.scene import (
-    FOOT_TRACE,
-    TRACE,
-    PlantMotion,
-    Record,
-    Scene,
-    at_rest,
-    motion_of,
-    scene_of,
-)
+from drake_leg.scene.motion import PlantMotion, Record, at_rest, motion_of
+from drake_leg.scene.scene import FOOT_TRACE, Scene, scene_of
 from drake_leg.scene.showable import Showable
 from drake_leg.scene.views import View, as_view
 from drake_leg.scene.walk_overlay import (

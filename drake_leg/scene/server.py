@@ -23,7 +23,7 @@ import numpy as np
 from drake_leg.arguments import shown
 from drake_leg.errors import DrakeLegError, InvalidValueError
 from drake_leg.kinematics.khalil import Array
-from drake_leg.scene.scene import TRACE_SPACING
+from drake_leg.scene.furniture import TRACE_SPACING
 
 MOST_PIECES = 500  # of a trace; its oldest pieces go when it is longer
 QUIET = 1.0  # [s] without a new state, after which a page is told that the program still runs

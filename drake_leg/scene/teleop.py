@@ -21,7 +21,9 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.kinematics.leg import LegGeometry
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.driven_foot import DrivenFoot, Step
-from drake_leg.scene.scene import TRACE, Scene, at_rest, scene_of
+from drake_leg.scene.furniture import TRACE
+from drake_leg.scene.motion import at_rest
+from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of, tab_of
 from drake_leg.scene.showable import shown
 from drake_leg.scene.shown_plant import ShownPlant

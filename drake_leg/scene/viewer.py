@@ -19,7 +19,9 @@ from drake_leg.kinematics.khalil import Array
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.closed import closing
 from drake_leg.scene.coordinates import Coordinate
-from drake_leg.scene.scene import TRACE, Scene, at_rest, scene_of
+from drake_leg.scene.furniture import TRACE
+from drake_leg.scene.motion import at_rest
+from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of, open_browser
 from drake_leg.scene.showable import Showable, shown
 from drake_leg.scene.shown_plant import ShownPlant

@@ -14,7 +14,9 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.walking.gait import GAITS
 from drake_leg.robot.robot import Robot
 from drake_leg.scene.driven_walk import DrivenWalk, WalkStep
-from drake_leg.scene.scene import TRACE, PlantMotion, Scene, scene_of
+from drake_leg.scene.furniture import TRACE
+from drake_leg.scene.motion import PlantMotion
+from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.server import Command, Feed, Server, Trace, action_of, numbers_of
 from drake_leg.scene.showable import shown
 from drake_leg.scene.teleop import LAPSED, LONGEST_STEP, PERIOD, Orders, VelocityCommands

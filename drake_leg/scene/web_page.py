@@ -19,16 +19,9 @@ from drake_leg.colours import Colour
 from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.models.log import quiet_drake
+from drake_leg.scene.furniture import BLUE, GREEN, RED, TRACE, TRACE_RADIUS, triad_lengths
 from drake_leg.scene.lettering import PLACEMENT
-from drake_leg.scene.scene import (
-    BLUE,
-    GREEN,
-    RED,
-    TRACE,
-    TRACE_RADIUS,
-    Scene,
-    triad_lengths,
-)
+from drake_leg.scene.scene import Scene
 from drake_leg.scene.server import MOST_PIECES
 from drake_leg.scene.views import MARGIN, VIEWS, View, frame
 

@@ -7,7 +7,8 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drake_leg.cli import main
 from drake_leg.cli.mechanisms import mechanism_in_3d
-from drake_leg.scene.scene import at_rest, scene_of
+from drake_leg.scene.motion import at_rest
+from drake_leg.scene.scene import scene_of
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ import pytest
 
 from drake_leg.cli import main
 from drake_leg.robot.robots import LEG_B, hexabot_leg
-from drake_leg.scene.scene import PlantMotion
+from drake_leg.scene.motion import PlantMotion
 from drake_leg.scene.showable import shown
 from drake_leg.simulation.recording import Recording
 

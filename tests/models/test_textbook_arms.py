@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from drake_leg.kinematics.khalil import foot_pose
-from drake_leg.lab.grader.tables import lint_table, table_of_document
+from drake_leg.lab.grader.table_slips import lint_table
+from drake_leg.lab.grader.tables import table_of_document
 from drake_leg.models.proof import prove
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robot_file import load_robot

@@ -4,8 +4,10 @@ import pytest
 from work import calls
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.pictures.columns import _Search, columns_of, order_of
-from drake_leg.pictures.layout import ROW, lay_out, lay_out_parts
+from drake_leg.pictures.columns import columns_of
+from drake_leg.pictures.layout import lay_out
+from drake_leg.pictures.order import _Search, order_of
+from drake_leg.pictures.parts import ROW, lay_out_parts
 from drake_leg.pictures.routing import length
 from drake_leg.pictures.svg import DrawnBlock, Net, Picture
 

@@ -22,9 +22,9 @@ from slx_writer import ModelBuilder
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.plant import build_plant
 from drake_leg.pictures.drawing import draw
-from drake_leg.pictures.layout import lay_out_parts
 from drake_leg.pictures.mechanical import mechanism_picture
 from drake_leg.pictures.of_simulink import MOST_BLOCKS, model_pictures
+from drake_leg.pictures.parts import lay_out_parts
 from drake_leg.robot.robots import LEG_B
 from drake_leg.simulink.model import split_port
 from drake_leg.simulink.reader import read_model

@@ -6,7 +6,7 @@ import pytest
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.robots import LEG_B
 from drake_leg.scene.artists import rendering_fault
-from drake_leg.scene.scene import PlantMotion
+from drake_leg.scene.motion import PlantMotion
 from drake_leg.scene.server import Feed, Server, Trace
 from drake_leg.scene.showable import shown
 

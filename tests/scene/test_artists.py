@@ -7,7 +7,8 @@ from drake_leg.cli import main
 from drake_leg.robot.robots import LEG_B
 from drake_leg.scene import artists
 from drake_leg.scene.artists import Renderer, Sketcher
-from drake_leg.scene.scene import at_rest, scene_of
+from drake_leg.scene.motion import at_rest
+from drake_leg.scene.scene import scene_of
 from drake_leg.scene.views import VIEWS
 
 POSTURE = np.radians([90.0, -50.0, -90.0])

@@ -7,7 +7,7 @@ import pytest
 
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
 from drake_leg.scene.media import replay
-from drake_leg.scene.scene import at_rest
+from drake_leg.scene.motion import at_rest
 
 pytestmark = pytest.mark.slow
 

@@ -7,6 +7,7 @@ import pytest
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 from drake_leg.scene import lettering
 from drake_leg.scene.artists import Sketcher
+from drake_leg.scene.furniture import triad_tips
 from drake_leg.scene.lettering import (
     DARK,
     PLACEMENT,
@@ -17,7 +18,8 @@ from drake_leg.scene.lettering import (
     width_of,
     write_on,
 )
-from drake_leg.scene.scene import PlantMotion, at_rest, scene_of, triad_tips
+from drake_leg.scene.motion import PlantMotion, at_rest
+from drake_leg.scene.scene import scene_of
 from drake_leg.scene.showable import shown
 from drake_leg.scene.views import VIEWS
 

@@ -10,23 +10,20 @@ from drake_leg.diagrams.hexabot_leg import HexabotLegConfig, build
 from drake_leg.errors import InvalidValueError
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, PENDULUM_SIZE, ROBOTS, SCARA
-from drake_leg.scene.scene import (
+from drake_leg.scene.furniture import (
     BLUE,
     DASH,
     GREEN,
     RED,
     TRACE_SPACING,
-    OtherRobotError,
-    PlantMotion,
-    at_rest,
     floor_corners,
     floor_parts,
     floor_square,
-    motion_of,
     trace_parts,
     triad_parts,
     triad_tips,
 )
+from drake_leg.scene.motion import OtherRobotError, PlantMotion, at_rest, motion_of
 from drake_leg.scene.showable import shown
 from drake_leg.scene.views import VIEWS, as_view, frame
 from drake_leg.simulation.recording import Recording

@@ -11,8 +11,9 @@ from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.robot import LINK_COLOURS, Link, Robot, Row, Segment
 from drake_leg.robot.robots import LEG_B, ROBOTS, SCARA, SCARA_HEIGHT
 from drake_leg.robot.solids import Brick, Solid
+from drake_leg.scene.motion import PlantMotion, at_rest
 from drake_leg.scene.parts import LEAST_SIZE, size_of
-from drake_leg.scene.scene import PlantMotion, at_rest, scene_of
+from drake_leg.scene.scene import scene_of
 from drake_leg.scene.showable import shown
 
 

@@ -6,7 +6,9 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_leg.scene.scene import TRIAD_LENGTH, at_rest, scene_of, triad_lengths
+from drake_leg.scene.furniture import TRIAD_LENGTH, triad_lengths
+from drake_leg.scene.motion import at_rest
+from drake_leg.scene.scene import scene_of
 from drake_leg.scene.showable import shown
 from drake_leg.scene.shown_plant import upright
 from drake_leg.scene.views import VIEWS

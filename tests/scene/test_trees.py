@@ -9,7 +9,7 @@ from trees import hexapod, two_fingers
 from drake_leg import LEG_B
 from drake_leg.kinematics.khalil import base_transforms
 from drake_leg.robot.robot import Robot
-from drake_leg.scene.scene import at_rest
+from drake_leg.scene.motion import at_rest
 from drake_leg.scene.showable import shown
 
 STANDING = ((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0.5), (0, 0, 0, 1))

@@ -9,7 +9,8 @@ from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.scene.artists import Sketcher
 from drake_leg.scene.footing import Footing
 from drake_leg.scene.media import walking_still
-from drake_leg.scene.scene import PlantMotion, scene_of
+from drake_leg.scene.motion import PlantMotion
+from drake_leg.scene.scene import scene_of
 from drake_leg.scene.showable import shown
 from drake_leg.scene.views import VIEWS
 from drake_leg.scene.walk_overlay import (

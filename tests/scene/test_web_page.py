@@ -7,7 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from drake_leg.robot.robots import LEG_B, ROBOTS
 from drake_leg.scene import web_page as web_pages
-from drake_leg.scene.scene import at_rest, scene_of
+from drake_leg.scene.motion import at_rest
+from drake_leg.scene.scene import scene_of
 from drake_leg.scene.views import MARGIN, VIEWS
 from drake_leg.scene.web_page import (
     MeshcatError,

@@ -17,7 +17,8 @@ from drake_leg.robot.robot import Row
 from drake_leg.robot.robot_file import load_robot
 from drake_leg.robot.robots import LEG_B, PENDULUM, SCARA
 from drake_leg.robot.toml.writer import robot_toml
-from drake_leg.singularity.doctor import examine, examine_posture, examine_whole
+from drake_leg.singularity.doctor import examine_posture
+from drake_leg.singularity.rank import examine, examine_whole
 
 ROBOTS = Path(__file__).parents[1] / "lab" / "grader" / "robots"
 PUMA, DESK = str(ROBOTS / "puma560_modified.toml"), str(ROBOTS / "desk_arm.toml")

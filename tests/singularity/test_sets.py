@@ -6,7 +6,6 @@ import pytest
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.leg import LegGeometry, determinant, foot_jacobian, foot_position
 from drake_leg.robot.robots import hexabot_leg
-from drake_leg.singularity.doctor import examine
 from drake_leg.singularity.families import (
     axis_reach,
     folded_feet,
@@ -14,6 +13,7 @@ from drake_leg.singularity.families import (
     leaning_over,
     stretched_feet,
 )
+from drake_leg.singularity.rank import examine
 
 LEGS = [
     LegGeometry.from_robot(hexabot_leg(variant, **lengths))

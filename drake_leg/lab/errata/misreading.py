@@ -14,7 +14,7 @@ from drake_leg.lab.errata.wording import Values, angles
 from drake_leg.robot.robot import Robot, Row
 from drake_leg.robot.toml.reader import ClassicRow, khalil_rows
 from drake_leg.runs.options import LegBOptions
-from drake_leg.singularity.doctor import examine
+from drake_leg.singularity.rank import examine
 
 FORWARDS = np.array([1.0, 0.0, 0.0])  # commanded velocity, in any unit
 

@@ -16,7 +16,7 @@ from drake_leg.lab.errata.printed import MM
 from drake_leg.lab.errata.wording import Values, angles
 from drake_leg.robot.robots import LEG_A
 from drake_leg.runs.options import EllipseOptions, LegAOptions
-from drake_leg.singularity.doctor import examine
+from drake_leg.singularity.rank import examine
 
 GEOMETRY_A = LegGeometry.from_robot(LEG_A)
 

@@ -36,7 +36,7 @@ from drake_leg.lab.errata.wording import Values, angles
 from drake_leg.robot.robot import Row
 from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.options import LegBOptions
-from drake_leg.singularity.doctor import examine
+from drake_leg.singularity.rank import examine
 from drake_leg.symbolic.derivation import evaluate
 from drake_leg.symbolic.equations import text
 

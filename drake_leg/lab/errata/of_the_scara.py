@@ -22,7 +22,7 @@ from drake_leg.lab.errata.printed import MM, angle_values, in_one_line, scara_ma
 from drake_leg.lab.errata.wording import Values, angles
 from drake_leg.robot.robots import LEG_B, SCARA
 from drake_leg.runs.options import ScaraOptions
-from drake_leg.singularity.doctor import examine
+from drake_leg.singularity.rank import examine
 
 ARM = ScaraGeometry.from_robot(SCARA)
 

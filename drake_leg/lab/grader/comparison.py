@@ -25,8 +25,8 @@ from drake_leg.lab.grader.claims import (
     scales,
 )
 from drake_leg.lab.grader.definitions import Binding, Cell, Reader, cell_values, same
+from drake_leg.lab.grader.findings import Finding, unreadable
 from drake_leg.lab.grader.printed import Format, Printed, PrintedMatrix
-from drake_leg.lab.grader.tables import Finding, unreadable
 from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import (
     Evaluator,

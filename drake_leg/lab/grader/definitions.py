@@ -12,9 +12,10 @@ from typing import NamedTuple
 import sympy as sp
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.lab.grader.findings import Finding
 from drake_leg.lab.grader.matrix_text import NAMES
 from drake_leg.lab.grader.printed import METERS, Printed
-from drake_leg.lab.grader.tables import Finding, repaired
+from drake_leg.lab.grader.tables import repaired
 from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import (
     DEGREE,

@@ -36,12 +36,13 @@ from drake_leg.lab.grader.definitions import (
     unused_definitions,
     with_lengths_as_symbols,
 )
+from drake_leg.lab.grader.findings import Finding
 from drake_leg.lab.grader.mistakes import HALVES, Mistake, mistakes, table_mistakes
 from drake_leg.lab.grader.printed import Printed
 from drake_leg.lab.grader.singular_sets import grade_singular_sets
 from drake_leg.lab.grader.slips import COMMON, Vocabulary, changes, explain
 from drake_leg.lab.grader.table_cells import grade_table
-from drake_leg.lab.grader.tables import Finding, has_bare_lengths
+from drake_leg.lab.grader.table_slips import has_bare_lengths
 from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import names_in
 from drake_leg.symbolic.spelling import is_joint_variable, plain, readable, renamed, spelled_as

@@ -20,8 +20,8 @@ from drake_leg.kinematics.khalil import Array, jacobian, table_length
 from drake_leg.lab.grader.claims import POSITION, RightForms, task_rows
 from drake_leg.lab.grader.comparison import Mask, Sampler
 from drake_leg.lab.grader.definitions import Binding, Reader, names_of_cells
+from drake_leg.lab.grader.findings import Finding, unreadable
 from drake_leg.lab.grader.printed import Printed
-from drake_leg.lab.grader.tables import Finding, unreadable
 from drake_leg.robot.robot import Robot, Row
 from drake_leg.symbolic.formulas import DEGREE, evaluate, names_in, number_of, parts, product
 from drake_leg.symbolic.spelling import (

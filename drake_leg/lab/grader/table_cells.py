@@ -14,8 +14,10 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, moving_rows, table_length
 from drake_leg.lab.grader.comparison import TOLERANCE, Sampler, agrees_within_digits
 from drake_leg.lab.grader.definitions import Reader
+from drake_leg.lab.grader.findings import Finding
 from drake_leg.lab.grader.printed import Printed
-from drake_leg.lab.grader.tables import BRANCHING, Finding, Table, lint_table, repaired
+from drake_leg.lab.grader.table_slips import lint_table
+from drake_leg.lab.grader.tables import BRANCHING, Table, repaired
 from drake_leg.robot.robot import Robot
 from drake_leg.symbolic.formulas import evaluate
 from drake_leg.symbolic.spelling import spelled_as

@@ -39,7 +39,7 @@ from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
 from drake_leg.scene.lettering import DARK, LIGHT
 from drake_leg.scene.media import replay, still
-from drake_leg.scene.scene import motion_of
+from drake_leg.scene.motion import motion_of
 
 HALF_TURN = (0.0, math.pi)  # [rad], the pendulum's angles without damping
 RATES = (-10.0, 10.0)  # [rad/s]

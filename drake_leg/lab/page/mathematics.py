@@ -29,8 +29,9 @@ from drake_leg.lab.page.pieces import number, piece, power, prose
 from drake_leg.models.witnesses import DrakeWitness
 from drake_leg.robot.robot import Robot, angle_text
 from drake_leg.runs.options import LegBOptions
-from drake_leg.singularity.doctor import examine, examine_posture
+from drake_leg.singularity.doctor import examine_posture
 from drake_leg.singularity.families import LegFamilies
+from drake_leg.singularity.rank import examine
 from drake_leg.singularity.stroke import closed_stroke, greatest_amplitude
 from drake_leg.symbolic.catalogue import derived
 from drake_leg.symbolic.derivation import evaluate

@@ -11,7 +11,8 @@ from drake_leg.kinematics import khalil
 from drake_leg.lab.grader.claims import chain_of
 from drake_leg.lab.grader.definitions import Cell, cell_values, readings
 from drake_leg.lab.grader.grade import grade
-from drake_leg.lab.grader.printed import Printed, PrintedMatrix, parse_text, printed_of_document
+from drake_leg.lab.grader.printed import Printed, PrintedMatrix, printed_of_document
+from drake_leg.lab.grader.printed_text import parse_text
 from drake_leg.lab.grader.tables import Table, TableRow
 from drake_leg.robot.robot import Link, Robot, Row, Segment
 from drake_leg.robot.robots import LEG_A, LEG_B, ROBOTS, SCARA, hexabot_leg

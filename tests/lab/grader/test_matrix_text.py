@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.matrix_text import read_name, rows_of_text
-from drake_leg.lab.grader.printed import parse_table, parse_text
+from drake_leg.lab.grader.printed_text import parse_table, parse_text
 
 ROWS = [["cos(q1)", "-sin(q1)", "0"], ["sin(q1)", "cos(q1)", "0"], ["0", "0", "1"]]
 FORMS = {

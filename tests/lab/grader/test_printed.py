@@ -7,9 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.lab.grader.findings import errors, not_understood
 from drake_leg.lab.grader.grade import grade
-from drake_leg.lab.grader.printed import is_print, parse_text, printed_of_document, read_printed
-from drake_leg.lab.grader.tables import errors, not_understood
+from drake_leg.lab.grader.printed import is_print, printed_of_document, read_printed
+from drake_leg.lab.grader.printed_text import parse_text
 from drake_leg.robot.robots import LEG_A, SCARA
 
 CSV = """\

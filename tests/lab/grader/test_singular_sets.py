@@ -4,7 +4,8 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.lab.grader.grade import grade
-from drake_leg.lab.grader.printed import parse_text, printed_of_document
+from drake_leg.lab.grader.printed import printed_of_document
+from drake_leg.lab.grader.printed_text import parse_text
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
 
 LEG = {"lengths": "mm", "angles": "deg", "symbols": {"L1": 50, "L2": 100, "L3": 100}}

@@ -11,19 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from trees import parallelogram, two_fingers
 
+from drake_leg.lab.grader.findings import errors
 from drake_leg.lab.grader.printed import read_printed
-from drake_leg.lab.grader.tables import (
-    COLUMNS,
-    Table,
-    TableRow,
-    errors,
-    lint_branches,
-    lint_friction,
-    lint_sizes,
-    lint_table,
-    repaired,
-    table_of_document,
-)
+from drake_leg.lab.grader.table_slips import lint_branches, lint_friction, lint_sizes, lint_table
+from drake_leg.lab.grader.tables import COLUMNS, Table, TableRow, repaired, table_of_document
 from drake_leg.robot.robot import Link
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, ROBOTS, hexabot_leg
 from drake_leg.robot.solids import Inertial
@@ -74,7 +65,7 @@ def test_report_bs_scara_table_has_no_error():
 def test_a_table_of_numbers_is_read_without_sympy():
     code = (
         "import sys\n"
-        "from drake_leg.lab.grader.tables import lint_table\n"
+        "from drake_leg.lab.grader.table_slips import lint_table\n"
         "from drake_leg.lab.grader.tables import table_of_document\n"
         "row = {'sigma': 0, 'd': 0.1, 'alpha': -90.0, 'r': 1e-3, 'theta': 0}\n"
         "assert not lint_table(table_of_document({'angles': 'deg', 'row': [row]}))\n"

@@ -10,7 +10,7 @@ from drake_leg.pictures.plots import singularity_maps
 from drake_leg.pictures.plots.singularity_maps import maps_of_posture
 from drake_leg.pictures.plots.style import for_light_and_dark, save
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA, hexabot_leg
-from drake_leg.singularity.doctor import examine
+from drake_leg.singularity.rank import examine
 
 LEG = LegGeometry.from_robot(LEG_B)
 START = np.radians([90.0, -50.0, -90.0])

@@ -9,7 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.lab.grader.tables import errors, lint_table, table_of_document
+from drake_leg.lab.grader.findings import errors
+from drake_leg.lab.grader.table_slips import lint_table
+from drake_leg.lab.grader.tables import table_of_document
 from drake_leg.models.proof import prove
 from drake_leg.robot.joint_mechanics import HardStop, JointMechanics, StateTarget
 from drake_leg.robot.robot import LINK_COLOURS, Link, Robot, Row, Segment
