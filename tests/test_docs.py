@@ -21,6 +21,7 @@ ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in (README, *ROOT.glob("docs/*.md"))}
 TEXT = "\n".join(PAGES.values())
+LONG = 1400  # words
 
 
 @pytest.fixture
@@ -71,6 +72,33 @@ def test_links_lead_somewhere(page):
     folder = ROOT if page == "README" else ROOT / "docs"
     for link in re.findall(r"\]\((?!https?:)([^)#]+)\)", PAGES[page]):
         assert (folder / link).exists(), link
+
+
+def anchors(page):
+    """Where links into a page may lead: its headings, as GitHub writes them."""
+    outside = re.sub(r"```.*?```", "", PAGES[page], flags=re.DOTALL)
+    headings = re.findall(r"^#+ (.*)$", outside, flags=re.MULTILINE)
+    return [re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_into_pages_lead_to_headings(page):
+    for other, anchor in re.findall(
+        r"\]\((?!https?:)(?:[^)#]*?(\w[\w-]*)\.md)?#([^)]+)\)", PAGES[page]
+    ):
+        assert anchor in anchors(other or page), (other, anchor)
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if len(PAGES[page].split()) > LONG and page != "blocks"]
+)
+def test_a_long_page_lists_its_sections(page):
+    text = PAGES[page]
+    contents = text[text.index("On this page") :].partition("\n\n")[0]
+    sections = re.findall(
+        r"^## (.*)$", re.sub(r"```.*?```", "", text, flags=re.DOTALL), re.MULTILINE
+    )
+    assert re.findall(r"\[([^]]+)\]\(#", contents) == sections
 
 
 def test_ci_calls_the_readmes_test_command():
