@@ -31,6 +31,7 @@ BOLD = 1.18  # width of a title's bold letters, relative to plain ones
 BELOW_HEADING = 26.0  # [px]
 BETWEEN = 30.0  # [px], two pictures
 ARROW = 8.0  # [px]
+LEAST_SCALE = 0.7  # at which a notebook shows it: texts of 7.7 px
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class Drawing:
 
     svg: str = field(repr=False)
     layouts: tuple[Layout, ...] = field(repr=False)
+    width: float  # [px]
 
     def write(self, path: Path | str, *, overwrite: bool = False) -> None:
         """Write an SVG file, whole or not at all.
@@ -51,7 +53,9 @@ class Drawing:
         write_text(path, self.svg, ending=".svg", overwrite=overwrite)
 
     def _repr_html_(self) -> str:
-        return self.svg
+        """Let a wide picture be moved sideways, rather than make its texts too small to read."""
+        least = f"min-width:{LEAST_SCALE * self.width:.0f}px"
+        return f'<div style="overflow-x:auto"><div style="{least}">{self.svg}</div></div>'
 
     def _repr_svg_(self) -> str:
         return self.svg
@@ -85,16 +89,18 @@ def draw(*pictures: Picture, background: Background = "auto") -> Drawing:
         ]
         y += layout.height + BETWEEN
     titles = [BOLD * text_width(layout.picture.title, HEADING) for layout in layouts]
+    width = max([layout.width for layout in layouts] + titles) + 2 * MARGIN
     return Drawing(
         svg=document(
             "\n".join(parts),
             title="; ".join(picture.title for picture in pictures),
             description=" ".join(map(_description, pictures)),
-            width=max([layout.width for layout in layouts] + titles) + 2 * MARGIN,
+            width=width,
             height=y - BETWEEN + MARGIN,
             background=background,
         ),
         layouts=layouts,
+        width=width,
     )
 
 

@@ -1,5 +1,6 @@
 """The block diagrams of the runs: all wires, none more, and nothing on top of anything."""
 
+import re
 import xml.etree.ElementTree as ET
 
 import pytest
@@ -50,6 +51,14 @@ def test_every_wire_of_a_run_is_drawn_once_and_cleanly(run_diagram, require_clea
     assert len(layout.routes) == len(connected_pairs(diagram))
     assert len({route.target for route in layout.routes}) == len(layout.routes)
     require_clean(layout)
+
+
+def test_a_notebook_scrolls_a_wide_drawing_whose_texts_would_be_too_small(run_diagram):
+    drawing = block_diagram(run_diagram("leg-b"))
+    frame = ET.fromstring(drawing._repr_html_())
+    (least,) = re.findall(r"min-width:(\d+)px", frame[0].get("style"))
+    assert frame.get("style") == "overflow-x:auto"
+    assert int(least) == pytest.approx(0.7 * float(frame[0][0].get("width")), abs=1.0)
 
 
 @pytest.mark.slow
@@ -121,7 +130,7 @@ def test_the_drawing_is_one_svg_document_with_a_title(run_diagram):
     root = ET.fromstring(drawing.svg)
     assert root.find(f"{SVG}title").text == "A < B & C"
     assert "Mux to" in root.find(f"{SVG}desc").text
-    assert drawing._repr_html_() == drawing._repr_svg_() == str(drawing) == drawing.svg
+    assert drawing._repr_svg_() == str(drawing) == drawing.svg
     assert len(repr(drawing)) < 100
     assert len(of_class(root, "wire")) == len(run_diagram("leg-b").connection_map())
     assert len(of_class(root, "block")) == len(run_diagram("leg-b").GetSystems())
