@@ -31,7 +31,7 @@ COMMANDS = {
     "sweep": ("drake_leg.cli.sweep", "carry out many runs, and plot what came out"),
     "replay": ("drake_leg.cli.replay", "show a run again, as a page or as video"),
     "view": ("drake_leg.cli.view", "look at a robot in 3D, its joints on sliders"),
-    "teleop": ("drake_leg.cli.view", "drive a leg's foot by hand, in real time"),
+    "teleop": ("drake_leg.cli.view", "drive a leg's foot, or a robot that walks, in real time"),
     "report": (
         "drake_leg.cli.reports",
         "reproduce the figures and tables of both reports on one page",
