@@ -20,7 +20,7 @@ from drake_leg.kinematics.walking.margins import (
 )
 from drake_leg.kinematics.walking.power import gear_friction, motor_torque
 from drake_leg.kinematics.walking.touch_down import SWINGS
-from drake_leg.kinematics.walking.weights import centres_of_mass, total_mass
+from drake_leg.kinematics.walking.weights import centres_of_mass, placed, total_mass
 from drake_leg.simulation.recording import intervals
 from drake_leg.simulation.run import Run
 
@@ -89,7 +89,7 @@ class WalkRecord:
     @cached_property
     def feet(self) -> Array:
         """p_GF, (rows, n, 3) [m]."""
-        return _placed(self.body, self.feet_in_body)
+        return placed(self.body, self.feet_in_body)
 
     @cached_property
     def forces(self) -> Array:
@@ -130,7 +130,7 @@ class WalkRecord:
     def centre_of_mass(self) -> Array:
         """Of the whole robot, (rows, 3) [m]."""
         centres = centres_of_mass(self.config.robot, self.links)
-        return _placed(self.body, centres[:, np.newaxis])[:, 0]
+        return placed(self.body, centres[:, np.newaxis])[:, 0]
 
     @cached_property
     def under_centre_of_mass(self) -> Array:
@@ -259,8 +259,3 @@ class WalkRecord:
 
     def _of_legs(self, scope: str) -> Array:
         return self.run.scopes[scope].reshape(len(self.time), -1, 3)
-
-
-def _placed(X: Array, points: Array) -> Array:
-    """Points (rows, n, 3) in the frame in which poses (rows, 4, 4) are."""
-    return np.asarray(np.einsum("tij,tnj->tni", X[:, :3, :3], points) + X[:, np.newaxis, :3, 3])

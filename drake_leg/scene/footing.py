@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from drake_leg.kinematics.khalil import Array, base_transforms
 from drake_leg.kinematics.walking.legs import Legs
 from drake_leg.kinematics.walking.margins import support_margin, supporting
-from drake_leg.kinematics.walking.weights import centres_of_mass, total_mass
+from drake_leg.kinematics.walking.weights import centres_of_mass, placed, total_mass
 from drake_leg.robot.ground import Ground
 from drake_leg.robot.robot import Robot
 from drake_leg.units import STANDARD_GRAVITY
@@ -61,11 +61,11 @@ class Footing:
         pressing = forces @ np.array(ground.X_WG)[:3, 2]
         return cls(
             time=time,
-            feet=_placed(X_WB, feet),
+            feet=placed(X_WB, feet),
             forces=forces,
             stands=supporting(time, pressing, weight),
             body=body[:, 4:],
-            centre=_placed(X_WB, centre)[:, 0],
+            centre=placed(X_WB, centre)[:, 0],
             weight=weight,
             ground=ground,
         )
@@ -146,8 +146,3 @@ def pose_of(body: Array) -> Array:
     X[:, :3, :3] = Rotation.from_quat(body[:, :4], scalar_first=True).as_matrix()
     X[:, :3, 3] = body[:, 4:]
     return X
-
-
-def _placed(X: Array, points: Array) -> Array:
-    """Points (rows, n, 3) of frames that are at poses (rows, 4, 4)."""
-    return np.asarray(np.einsum("tij,tnj->tni", X[:, :3, :3], points) + X[:, np.newaxis, :3, 3])

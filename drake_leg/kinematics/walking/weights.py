@@ -136,3 +136,8 @@ def inertia_wrench(robot: Robot, links: Motion) -> tuple[Array, Array]:
     """Rates of angular momentum about the origin of G and of momentum, each (..., 3) [N*m, N]."""
     moment, force = wrenches_of_links(robot, links, np.zeros(3))
     return moment.sum(axis=-2), force.sum(axis=-2)
+
+
+def placed(X: Array, points: Array) -> Array:
+    """Points (rows, n, 3) of frames that are at poses (rows, 4, 4)."""
+    return np.asarray(np.einsum("tij,tnj->tni", X[:, :3, :3], points) + X[:, np.newaxis, :3, 3])
