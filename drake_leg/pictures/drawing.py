@@ -9,6 +9,7 @@ from xml.sax.saxutils import escape
 
 from drake_leg.colours import Background
 from drake_leg.files import write_text
+from drake_leg.pictures.glyphs import draw_block
 from drake_leg.pictures.layout import Layout
 from drake_leg.pictures.parts import lay_out_parts
 from drake_leg.pictures.routing import rounded
@@ -19,7 +20,6 @@ from drake_leg.pictures.svg import (
     Picture,
     Point,
     document,
-    draw_block,
     element,
     text_at,
     text_width,
