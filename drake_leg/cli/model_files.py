@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 CONTACTS = ("smooth", "pulling", "drake")
 _SHOWN = 8  # names that a script sets
 _OTHERS = 2  # files that set as many
+_OVERRIDE = re.compile(r"(.*?\S.*?):\s*([A-Za-z]\w*)\s*=(?!=)\s*(\S.*)", re.DOTALL)
 _NEXT = re.compile(r",(?=\s*[A-Za-z]\w*\s*=(?!=))")  # between two settings
 
 
@@ -57,6 +58,15 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         metavar="BLOCK=CHOICE",
         help="choice of a variant subsystem, by its name or path; repeatable",
     )
+    parser.add_argument(
+        "--parameter",
+        action="append",
+        default=[],
+        metavar="BLOCK:NAME=VALUE",
+        help="what a parameter of a block of a Simulink model is instead of what the file says, by "
+        "the block's name or path and the parameter's name in the file, in the file's unit: "
+        "'Link 1:Mass=0.3'; repeatable",
+    )
 
 
 def add_feature_option(parser: argparse.ArgumentParser) -> None:
@@ -84,6 +94,23 @@ def _features_in(given: Sequence[str]) -> dict[str, list[float]]:
         if name in found:
             raise InvalidValueError(f"--feature places {name!r} twice: keep one")
         found[name] = numbers("--feature", place)
+    return found
+
+
+def overrides_in(given: Sequence[str]) -> dict[str, str]:
+    """Read ``Link 1:Mass=0.3``."""
+    found: dict[str, str] = {}
+    for text in given:
+        match = _OVERRIDE.fullmatch(text)
+        if match is None:
+            raise InvalidValueError(
+                f"--parameter {text} names no parameter of a block, or gives it no value: write "
+                "'BLOCK:NAME=VALUE', as in 'Link 1:Mass=0.3'"
+            )
+        block, name, value = (part.strip() for part in match.groups())
+        if f"{block}:{name}" in found:
+            raise InvalidValueError(f"--parameter sets '{block}:{name}' twice: keep one")
+        found[f"{block}:{name}"] = value
     return found
 
 
@@ -170,6 +197,7 @@ def opened(path: Path, chosen: argparse.Namespace, init: Sequence[Path] = ()) ->
         init=[*chosen.init, *init],
         values=variables_in(getattr(chosen, "numbers", None) or ()),
         features=_features_in(getattr(chosen, "feature", ())),
+        parameters=overrides_in(chosen.parameter),
     )
 
 
@@ -226,6 +254,7 @@ def refuse_model_options(chosen: argparse.Namespace) -> None:
             "--path": bool(chosen.path),
             "--init": bool(chosen.init),
             "--variant": bool(chosen.variant),
+            "--parameter": bool(chosen.parameter),
             "--feature": bool(getattr(chosen, "feature", ())),
         },
         "is for Simulink models and means nothing here",

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from drake_leg.simulink.model import Model
     from drake_leg.simulink.multibody.bodies import Mechanism
 
-REPEATED = {"init": "--init", "path": "--path", "variant": "--variant", "numbers": "--set",
-            "replace": "--replace"}  # fmt: skip
+REPEATED = {"init": "--init", "path": "--path", "variant": "--variant", "feature": "--feature",
+            "parameter": "--parameter", "numbers": "--set", "replace": "--replace"}  # fmt: skip
 ONCE = ("duration", "accuracy", "contact")
 
 

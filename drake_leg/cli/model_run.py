@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_leg.arguments import counted
 from drake_leg.cli.mechanisms import about, found_alone, mechanism_in_3d, places_of, taken_from
-from drake_leg.cli.model_files import opened, replacements_in
+from drake_leg.cli.model_files import opened, overrides_in, replacements_in
 from drake_leg.cli.model_page import check_page, write_page, write_page_of_lacks
 from drake_leg.cli.run_options import fields_by_name
 from drake_leg.cli.shows import check_shows, shows_of
@@ -286,6 +286,9 @@ def _results(
     ]
     if replaced:
         remarks.append(f"replaced: {'; '.join(replaced)}")
+    overrides = [f"{name} = {value}" for name, value in overrides_in(chosen.parameter).items()]
+    if overrides:
+        remarks.append(f"parameters set instead of the file's: {'; '.join(overrides)}")
     if chosen.contact == "pulling":
         remarks.append("dampers of contacts may pull while two bodies part")
     if chosen.contact == "drake":

@@ -13,12 +13,13 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from drake_leg.errors import InvalidValueError, did_you_mean
-from drake_leg.simulink.archive import parameters
+from drake_leg.simulink.archive import parameters as texts_of
 from drake_leg.simulink.catalogue import OLD_NAMES
 from drake_leg.simulink.diagram import Diagram, DrawnBlock, mask_of_file, read_diagram
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.linking import Libraries
 from drake_leg.simulink.model import LOOPS, Block, Model, Parameters, Value
+from drake_leg.simulink.overrides import overridden
 from drake_leg.simulink.parameters import (
     complaining,
     evaluate,
@@ -54,6 +55,7 @@ def read_model(
     init: Sequence[Path] = (),
     values: Mapping[str, Any] | None = None,
     features: Mapping[str, Sequence[float]] | None = None,
+    parameters: Mapping[str, str] | None = None,
 ) -> Model:
     """Read a Simulink file; nothing in it is executed or unpacked to the disk.
 
@@ -79,6 +81,9 @@ def read_model(
         Where features of files of CAD programs lie on which frames are, ``leg.step:planar surface
         2``: a point in the solid's reference frame [m], and after it the direction of its axis or
         normal, where a frame is along it.
+    parameters : mapping, optional
+        MATLAB texts that parameters of blocks have instead of those in the file, by block (path or
+        name) and parameter: ``{"Link 1:Mass": "0.3"}``, in the unit of the file.
 
     Returns
     -------
@@ -96,6 +101,7 @@ def read_model(
     try:
         file = SimulinkFile(path)
         drawn = read_diagram(file, Libraries(path.parent, paths))
+        drawn = overridden(drawn, parameters or {})
         given = Given(values=values or {}, init=tuple(map(Path, init)), paths=tuple(paths))
         variables = variables_of(file, given, partial(_mentioned, drawn), _Texts(drawn))
         _require_used(given, file, drawn)
@@ -216,7 +222,7 @@ def _setting(name: str, text: str, scope: Scope) -> Value:
 def _of_loops(configuration: Element | None) -> str:
     """Return what Simulink does about algebraic loops, none, warning or error; "" if not said."""
     components = () if configuration is None else configuration.iter()
-    return next((text for each in components if (text := parameters(each).get(LOOPS))), "")
+    return next((text for each in components if (text := texts_of(each).get(LOOPS))), "")
 
 
 def _solver_texts(configuration: Element | None) -> dict[str, str]:
@@ -224,9 +230,9 @@ def _solver_texts(configuration: Element | None) -> dict[str, str]:
         return {}
     for component in configuration.iter("Object"):
         if component.get("ClassName", "").endswith("SolverCC"):
-            return parameters(component)
+            return texts_of(component)
     for component in configuration.iter():
-        texts = parameters(component)
+        texts = texts_of(component)
         if "StopTime" in texts:
             return texts
     return {}

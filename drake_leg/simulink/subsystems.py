@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import TypeVar
 
 from drake_leg.arguments import some_of
 from drake_leg.errors import InvalidValueError, did_you_mean
+from drake_leg.simulink.diagram import DrawnBlock
 from drake_leg.simulink.model import Block, Model, split_port
 from drake_leg.simulink.wiring import is_leaf, is_open
 
 SHOWN = 5  # paths in a sentence
 
+AnyBlock = TypeVar("AnyBlock", Block, DrawnBlock)
 
 _LISTED = "`drake-leg inspect` with `blocks` lists them"
 
 
-def block_named(model: Model, name: str, *, among: Iterable[Block], aim: str) -> Block:
+def block_named(name: str, *, among: Iterable[AnyBlock], aim: str) -> AnyBlock:
     """Find the block of a path, or of a name that only one block has.
 
     Raises
@@ -64,7 +67,7 @@ def subsystem(model: Model, name: str) -> Model:
     InvalidValueError
         If no subsystem, or several, have the name or path.
     """
-    held = block_named(model, name, among=filter(is_open, model.blocks), aim="subsystem to draw")
+    held = block_named(name, among=filter(is_open, model.blocks), aim="subsystem to draw")
     kept = inside(model, frozenset((held.sid,)))
     blocks = [block for block in model.blocks if block.sid in kept]
     given = {_tag(block) for block in blocks if block.type == "Goto"}

@@ -9,6 +9,7 @@ from mechanism_models import four_bar, pendulum
 from moving import falling
 from pydrake.systems.analysis import Simulator
 from signal_models import charted, oscillator
+from slx_writer import ModelBuilder
 
 from drake_leg.cli import main
 from drake_leg.simulation.recording import Recording
@@ -161,6 +162,36 @@ def test_a_block_that_does_not_run_is_replaced_by_a_constant(run):
     assert status == 0
     np.testing.assert_allclose(recording["Scope"], 3.0 * recording["time"], atol=1e-9)
     assert "replaced: Chart puts out constant 3" in summary["remarks"]
+
+
+def test_a_parameter_has_another_value_than_in_the_file(run):
+    model = ModelBuilder(solver={"StopTime": "1"})
+    clock, gain, scope = (model.add_block(kind, kind) for kind in ("Clock", "Gain", "Scope"))
+    model.connect(clock, gain)
+    model.connect(gain, scope)
+    status, _, recording, summary = run(model, "--parameter", "Gain:Gain=2.5")
+    assert status == 0
+    np.testing.assert_allclose(recording["Scope"], 2.5 * recording["time"], atol=1e-9)
+    assert "parameters set instead of the file's: Gain:Gain = 2.5" in summary["remarks"]
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["Gain=2"], "--parameter Gain=2 names no parameter of a block, or gives it no value"),
+        (["Gain:Gain="], "gives it no value: write 'BLOCK:NAME=VALUE'"),
+        (["Gain:Gain=1", "Gain:Gain=2"], "--parameter sets 'Gain:Gain' twice: keep one"),
+        (["Gain:gian=2"], "has no parameter 'gian': did you mean Gain?"),
+    ],
+)
+def test_a_parameter_that_is_not_there_is_told(run, given, said):
+    model = ModelBuilder(solver={"StopTime": "1"})
+    model.connect(model.add_block("Gain", "Gain"), model.add_block("Scope", "Scope"))
+    status, printed, recording, _ = run(
+        model, *(word for text in given for word in ("--parameter", text))
+    )
+    assert (status, recording) == (2, None)
+    assert said in printed.err
 
 
 def test_a_block_is_replaced_by_a_table(run, here):

@@ -48,14 +48,15 @@ ALWAYS = {
     "inverse": {"--foot", "--json", "--pose", "--q", "--tip"},
     "sdf": {"--toml", "--par", "--out"},
     "check": {"--printed", "--json"},
-    "port": {"--path", "--init", "--variant", "--feature", "--set", "--replace", "--duration",
+    "port": {"--path", "--init", "--variant", "--parameter", "--feature",
+             "--set", "--replace", "--duration",
              "--accuracy", "--out", "--overwrite", "--contact", "--solve-loops",
              "--leave-out"},
-    "inspect": {"--blocks", "--json", "--path", "--init", "--variant"},
-    "compare": OF_RUNS | {"--path", "--init", "--variant", "--feature", "--json", "--strict",
-                          "--frequency", "--direction", "--gain"},
-    "diagram": {"--path", "--init", "--variant", "--part", "--system", "--background", "--out",
-                "--overwrite"},
+    "inspect": {"--blocks", "--json", "--path", "--init", "--variant", "--parameter"},
+    "compare": OF_RUNS | {"--path", "--init", "--variant", "--parameter", "--feature", "--json",
+                          "--strict", "--frequency", "--direction", "--gain"},
+    "diagram": {"--path", "--init", "--variant", "--parameter", "--part", "--system",
+                "--background", "--out", "--overwrite"},
 }  # fmt: skip
 
 NO_LIMIT = "there is no limit"
@@ -101,7 +102,8 @@ MEANINGLESS = [
     *(
         (command, f"leg-b {option}", "is for Simulink models and means nothing here")
         for command in ("sdf", "view", "doctor")
-        for option in ("--path .", "--init a.m", "--variant A=B", "--feature a.step:f=1,2,3")
+        for option in ("--path .", "--init a.m", "--variant A=B", "--parameter A:B=1",
+                       "--feature a.step:f=1,2,3")
     ),
     ("replay", "somewhere --set D3=1 --out a.html", "means nothing without --robot"),
     ("compare", "leg-b --set D3=1", "the model uses no variable 'D3'"),
@@ -112,7 +114,8 @@ MEANINGLESS = [
     ("diagram", "leg-b --init a.m --out a.svg", "is for Simulink models and means nothing"),
     *(
         ("run", f"leg-b {option}", "is for Simulink models and means nothing here")
-        for option in ("--path .", "--init a.m", "--variant A=B", "--feature a.step:f=1,2,3",
+        for option in ("--path .", "--init a.m", "--variant A=B", "--parameter A:B=1",
+                       "--feature a.step:f=1,2,3",
                        "--contact smooth",
                        "--solve-loops", "--leave-out", "--replace A=b.csv", "--page a.html")
     ),
@@ -201,6 +204,7 @@ OF_MODELS = {
     "--path",
     "--init",
     "--variant",
+    "--parameter",
     "--feature",
     "--contact",
     "--solve-loops",

@@ -166,7 +166,10 @@ class FileShape:
         return 1.0 if self.own_unit else self.unit / unit_of_step(place)
 
     def _without(self, why: str, advice: str = "") -> InvalidValueError:
-        custom = "set its inertia to Custom, with the numbers of its CAD program"
+        custom = (
+            "make its InertiaType Custom with `parameter`, and its Mass, CenterOfMass, "
+            "MomentsOfInertia and ProductsOfInertia those of its CAD program"
+        )
         return InvalidValueError(
             f"it has its mass from the geometry of {quoted(self.file)}, {why}",
             advice=advice or custom,

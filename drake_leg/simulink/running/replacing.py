@@ -60,7 +60,7 @@ def _sid(port: str) -> str:
 
 
 def _block_of(model: Model, name: str) -> Block:
-    block = block_named(model, name, among=model.blocks, aim="block to replace")
+    block = block_named(name, among=model.blocks, aim="block to replace")
     is_physical = block.unknown and any(_sid(port) == block.sid for n in model.nodes for port in n)
     if is_physical or block.source.startswith(PHYSICAL):
         raise InvalidValueError(

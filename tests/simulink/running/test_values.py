@@ -347,7 +347,10 @@ def test_a_table_over_time_that_repeats_is_refused(tmp_path):
     rig = Rig()
     rig.show(rig.block("FromWorkspace", "from", VariableName="[0 1; 1 2]",
                        OutputAfterFinalValue="Cyclic repetition"), "y")  # fmt: skip
-    with pytest.raises(InvalidValueError, match="'Cyclic repetition', which does not run: choose"):
+    with pytest.raises(
+        InvalidValueError,
+        match="'Cyclic repetition', which does not run: make it 'Extrapolation' with",
+    ):
         rig.values(tmp_path)
 
 

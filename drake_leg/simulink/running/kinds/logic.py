@@ -245,7 +245,9 @@ def _crossed(w: Writer, before: str, now: str, direction: str) -> None:
     )
     code = {"rising": rising, "falling": falling, "either": f"({rising} | {falling})"}
     if direction not in code:
-        raise w.fault(f"waits for {direction!r}, which does not run: choose 'either'")
+        raise w.fault(
+            f"waits for {direction!r}, which does not run: make it 'either' with `parameter`"
+        )
     w.out(f"({code[direction]}) * 1.0")
 
 

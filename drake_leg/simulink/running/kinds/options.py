@@ -73,8 +73,8 @@ def require_usual(w: Writer) -> None:
         given = w.settings.text(name)
         if given and given not in usual:
             raise w.fault(
-                f"has {name} {given!r}, which does not run: choose {usual[0]!r}, or let `replace` "
-                "say what it puts out instead"
+                f"has {name} {given!r}, which does not run: make it {usual[0]!r} with "
+                "`parameter`, or let `replace` say what the block puts out instead"
             )
 
 

@@ -45,7 +45,10 @@ def lookup(w: Writer) -> None:
     elif dimensions == 2 and method != "spline":
         _two(w, points, _points(w, 2), table, beyond, method)
     elif dimensions == 2:
-        raise w.fault(f"looks up in two dimensions by {s.text('InterpMethod')!r}: choose 'Linear'")
+        raise w.fault(
+            f"looks up in two dimensions by {s.text('InterpMethod')!r}: make it 'Linear' with "
+            "`parameter`"
+        )
     else:
         raise w.fault(f"has {dimensions} dimensions; tables of one or two run")
 
@@ -78,7 +81,10 @@ def dynamic_lookup(w: Writer) -> None:
     how = w.settings.text("LookUpMeth", "Interpolation-Extrapolation")
     beyond = "line" if how == "Interpolation-Extrapolation" else "clip"
     if "Interpolation" not in how:
-        raise w.fault(f"looks up by {how!r}, which does not run: choose one of interpolation")
+        raise w.fault(
+            f"looks up by {how!r}, which does not run: make it one of interpolation with "
+            "`parameter`"
+        )
     at, of = w.vector(1), w.vector(2)
     if at.size != of.size:
         raise w.fault(f"has {at.size} points and {of.size} values: give as many of both")
