@@ -101,6 +101,16 @@ def test_a_long_page_lists_its_sections(page):
     assert re.findall(r"\[([^]]+)\]\(#", contents) == sections
 
 
+@pytest.mark.parametrize(
+    "name", ["leg-b", "ellipse", pytest.param("scara", marks=pytest.mark.slow)]
+)
+def test_the_errors_of_runs_are_those_that_are_printed(name, unsaved):
+    row = re.search(rf"^\| .*`{name}`.*\| (.*)·10⁻(.*) m \|$", PAGES["correctness"], re.MULTILINE)
+    exponent = int(row[2].translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")))
+    printed = float(row[1]) * 10.0**-exponent
+    assert drake_leg.run(name).summary["max_position_error_m"] == pytest.approx(printed, rel=0.7)
+
+
 def test_ci_calls_the_readmes_test_command():
     (command,) = (
         block.strip() for block in blocks("sh", PAGES["README"]) if block.strip().endswith("pytest")
