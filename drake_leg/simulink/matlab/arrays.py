@@ -23,7 +23,7 @@ from drake_leg.simulink.matlab.data import (
     of_values,
     settled,
 )
-from drake_leg.simulink.matlab.inputs import axis_of, line_like, scalar, sizes_of, whole
+from drake_leg.simulink.matlab.inputs import axis_of, line_like, matrix, scalar, sizes_of, whole
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.operators import each, stacked
 
@@ -219,6 +219,58 @@ def _meshgrid(budget: Allowance, wanted: int, x: Any, y: Any = None) -> Any:
     return tuple(settled(array) for array in np.meshgrid(a, b))
 
 
+def _ndgrid(budget: Allowance, wanted: int, *lines: Any) -> Any:
+    places = [numbers_of(line).ravel() for line in lines]
+    places = places * max(1, wanted) if len(places) == 1 else places
+    budget.room(len(places) * math.prod(float(each.size) for each in places))
+    return tuple(settled(array) for array in np.meshgrid(*places, indexing="ij"))
+
+
+def _gradient(budget: Allowance, wanted: int, value: Any, *steps: Any) -> Any:
+    """Central differences, one-sided at the ends, along x (columns) and then y."""
+    array = matrix(value)
+    axes = [k for k in (1, 0) if array.shape[k] > 1][: max(1, wanted)]
+    if len(steps) not in (0, 1, len(axes)):
+        raise MatlabError(f"'gradient' takes one step, or one for each of {len(axes)} directions")
+    each = steps * len(axes) if len(steps) == 1 else steps or (1.0,) * len(axes)
+    found = (_slope(array, numbers_of(h), k) for k, h in zip(axes, each, strict=True))
+    return tuple(map(settled, found))
+
+
+def _slope(array: NDArray[Any], step: NDArray[Any], axis: int) -> NDArray[Any]:
+    count = array.shape[axis]
+    places = np.arange(count) * step.item() if step.size == 1 else step.ravel()
+    if places.size != count:
+        raise MatlabError(f"'gradient' has {count} values and {places.size} places")
+    before, after = np.maximum(np.arange(count) - 1, 0), np.minimum(np.arange(count) + 1, count - 1)
+    rise = np.take(array, after, axis) - np.take(array, before, axis)
+    run = places[after] - places[before]
+    return np.asarray(rise / (run[np.newaxis, :] if axis else run[:, np.newaxis]))
+
+
+def _sortrows(budget: Allowance, wanted: int, value: Any, columns: Any = None) -> Any:
+    array = matrix(value)
+    keys = np.arange(1, array.shape[1] + 1) if columns is None else numbers_of(columns).ravel()
+    order = np.arange(len(array))
+    for key in keys[::-1]:
+        index = int(abs(key)) - 1
+        if not 0 <= index < array.shape[1]:
+            raise MatlabError(f"'sortrows' has no column {key:g} of {array.shape[1]}")
+        sign = 1.0 if key > 0 else -1.0
+        order = order[np.argsort(sign * array[order, index], kind="stable")]
+    return settled(array[order]), settled(order[:, np.newaxis] + 1.0)
+
+
+def _rot90(budget: Allowance, wanted: int, value: Any, turns: Any = 1.0) -> Any:
+    return settled(np.rot90(matrix(value), whole(turns)))
+
+
+def _rms(budget: Allowance, wanted: int, value: Any, axis: Any = None) -> Any:
+    array = numbers_of(value)
+    along = axis_of(array, axis)
+    return settled(np.sqrt(np.mean(np.abs(array) ** 2, axis=along, keepdims=True)))
+
+
 def _joined(axis: int) -> Known:
     def applied(budget: Allowance, wanted: int, *blocks: Any) -> Any:
         return stacked([list(blocks)] if axis else [[block] for block in blocks], budget)
@@ -363,6 +415,11 @@ ARRAYS: dict[str, Known] = {
     "linspace": _linspace,
     "logspace": _logspace,
     "meshgrid": _meshgrid,
+    "ndgrid": _ndgrid,
+    "gradient": _gradient,
+    "sortrows": _sortrows,
+    "rot90": _rot90,
+    "rms": _rms,
     "find": _find,
     "sort": _sort,
     "unique": _unique,

@@ -21,12 +21,14 @@ from drake_leg.simulink.matlab.data import (
 )
 from drake_leg.simulink.matlab.inputs import of_array, of_two, scalar, whole
 from drake_leg.simulink.matlab.operators import EACH
+from drake_leg.simulink.matlab.poles import POLES
 from drake_leg.simulink.matlab.quadratic import QUADRATIC
 from drake_leg.simulink.matlab.records import RECORDS
 from drake_leg.simulink.matlab.rotations import ROTATIONS
 from drake_leg.simulink.matlab.state_spaces import STATE_SPACES
 from drake_leg.simulink.matlab.surroundings import SURROUNDINGS
 from drake_leg.simulink.matlab.texts import TEXTS
+from drake_leg.simulink.matlab.trajectories import TRAJECTORIES
 from drake_leg.simulink.matlab.transfers import TRANSFERS
 
 # ruff: noqa: ANN401 - any value of a script
@@ -192,6 +194,8 @@ KNOWN: dict[str, Known] = {
     **CURVES,
     **QUADRATIC,
     **STATE_SPACES,
+    **POLES,
+    **TRAJECTORIES,
     **TRANSFERS,
     **RECORDS,
     **{name: of_values(function) for name, function in ROTATIONS.items()},

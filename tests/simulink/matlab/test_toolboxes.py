@@ -121,3 +121,97 @@ def test_a_series_has_its_times_and_values():
     assert found["t"].ravel().tolist() == [0.0, 0.1, 0.2]
     assert found["d"].tolist() == [[1.0], [2.0], [3.0]]
     assert "2 values at 3 times" in said("s = timeseries([1;2], [0 1 2]);")
+
+
+ACTING = "A = [0 1 0;0 0 1;-6 -11 -5]; B = [0;0.5;2]; P = [-2 -3+1i -3-1i]; "
+
+
+@pytest.mark.parametrize("name", ["place", "acker"])
+def test_poles_are_put_where_they_are_wanted(name):
+    found = ran(f"{ACTING}K = {name}(A, B, P);")
+    closed = np.linalg.eigvals(found["A"] - found["B"] @ found["K"])
+    np.testing.assert_allclose(np.sort_complex(closed), [-3 - 1j, -3 + 1j, -2], atol=1e-9)
+
+
+def test_an_observer_is_placed_by_the_transposes():
+    found = ran(f"{SYSTEM}L = place(A', C', [-5 -6])'; n = rank(obsv(A, C));")
+    closed = np.linalg.eigvals(found["A"] - found["L"] @ found["C"])
+    np.testing.assert_allclose(np.sort(closed.real), [-6.0, -5.0], atol=1e-9)
+    assert found["n"] == 2.0
+
+
+def test_what_inputs_reach_is_by_its_definition():
+    found = ran(f"{ACTING}R = ctrb(A, B); O = obsv(A, [1 2 3]); S = ctrb(ss(A, B, [1 2 3], 0));")
+    A, B, C = found["A"], found["B"], np.array([[1.0, 2.0, 3.0]])
+    np.testing.assert_array_equal(found["R"], np.hstack([B, A @ B, A @ A @ B]))
+    np.testing.assert_array_equal(found["O"], np.vstack([C, C @ A, C @ A @ A]))
+    np.testing.assert_array_equal(found["S"], found["R"])
+
+
+@pytest.mark.parametrize(
+    ("call", "problem"),
+    [
+        ("place(A, [B B], P)", "'place' of several inputs"),
+        ("place(A, B, [-1 -2])", "'place' takes 3 poles, not 2"),
+        ("acker(A, B, [-1 -2+1i -2+2i])", "complex poles in conjugate pairs"),
+        ("acker(eye(3), B, P)", "the input does not reach all states"),
+        ("place([1 2 3], B, P)", "place"),
+    ],
+)
+def test_poles_that_cannot_be_placed_are_told(call, problem):
+    assert problem in said(f"{ACTING}K = {call};")
+
+
+@pytest.mark.parametrize(("old", "new", "regulator"), [
+    ("care", "icare", "lqr"), ("dare", "idare", "dlqr"),
+])  # fmt: skip
+def test_riccatis_equations_give_the_gain_of_the_regulator(old, new, regulator):
+    found = ran(f"{ACTING}Q = diag([1 2 3]); [X, E, G] = {old}(A, B, Q, 4); "
+                f"[Y, F, H] = {new}(A, B, Q, 4); [K, S] = {regulator}(A, B, Q, 4);")  # fmt: skip
+    for one, other in (("X", "S"), ("Y", "S"), ("G", "K"), ("F", "K"), ("E", "H")):
+        np.testing.assert_allclose(found[one], found[other], rtol=1e-12)
+
+
+def test_a_gradient_is_exact_for_what_is_quadratic_inside():
+    found = ran("x = [0 1 2 4]; g = gradient([0 1 4 9], 0.5); h = gradient(x.^2, x); "
+                "[X, Y] = meshgrid(0:2, 0:3); "
+                "[fx, fy] = gradient(3*X + 5*Y.^2, 1, 2);")  # fmt: skip
+    np.testing.assert_allclose(found["g"], [[2.0, 4.0, 8.0, 10.0]])
+    np.testing.assert_allclose(found["h"], [[1.0, 2.0, 5.0, 6.0]])  # (f(i+1) - f(i-1)) over x
+    np.testing.assert_allclose(found["fx"], 3.0)
+    np.testing.assert_allclose(found["fy"][:, 0], [2.5, 5.0, 10.0, 12.5])
+
+
+def test_grids_rows_and_turns():
+    found = ran("[a, b] = ndgrid(1:2, 3:5); [s, k] = sortrows([3 1;1 2;1 1]); "
+                "d = sortrows([3 1;1 2;1 1], -2); r = rot90([1 2;3 4]); "
+                "m = rms([3 4]);")  # fmt: skip
+    np.testing.assert_array_equal(found["a"], [[1, 1, 1], [2, 2, 2]])
+    np.testing.assert_array_equal(found["b"], [[3, 4, 5], [3, 4, 5]])
+    np.testing.assert_array_equal(found["s"], [[1, 1], [1, 2], [3, 1]])
+    np.testing.assert_array_equal(found["k"], [[3], [2], [1]])
+    np.testing.assert_array_equal(found["d"], [[1, 2], [3, 1], [1, 1]])
+    np.testing.assert_array_equal(found["r"], [[2, 4], [1, 3]])
+    assert found["m"] == pytest.approx(np.sqrt(12.5), rel=1e-15)
+
+
+def test_a_cubic_from_rest_to_rest_is_the_smooth_step():
+    found = ran("t = 0:0.25:3; [q, v, a] = cubicpolytraj([1 3;0 -1], [0 2], t);")
+    s = np.clip(found["t"] / 2.0, 0.0, 1.0)
+    np.testing.assert_allclose(found["q"][0], 1 + 2 * (3 * s**2 - 2 * s**3)[0], atol=1e-14)
+    np.testing.assert_allclose(found["v"][1], -(6 * s - 6 * s**2)[0] / 2.0, atol=1e-14)
+    assert found["a"][0, 0] == pytest.approx(2 * 6 / 4.0)
+    np.testing.assert_array_equal(found["v"][:, -1], 0.0)
+
+
+def test_a_quintic_meets_what_is_given_at_its_way_points():
+    found = ran("w = [0 1 -1]; vel = [0.5 -1 2]; acc = [1 2 3]; [q, v, a] = quinticpolytraj(w, "
+                "[0 1 3], [0 1 3], 'VelocityBoundaryCondition', vel, "
+                "'AccelerationBoundaryCondition', acc);")  # fmt: skip
+    for one, other in (("q", "w"), ("v", "vel"), ("a", "acc")):
+        np.testing.assert_allclose(found[one], found[other], atol=1e-12)
+
+
+def test_a_motion_without_a_way_point_a_time_is_told():
+    assert "a way point for each" in said("q = cubicpolytraj([1 2 3], [0 1], 0:0.1:1);")
+    assert "is not known here" in said("q = cubicpolytraj([1 2], [0 1], 0.5, 'Method', 1);")
