@@ -28,7 +28,7 @@ def names_in(node: Any) -> list[str]:  # noqa: ANN401 - any node of the tree, or
             case tuple():
                 for one in item:
                     visit(one, bound)
-            case None | str() | float() | complex() | bool():
+            case None | str() | int() | float() | complex():
                 pass
             case _:
                 for key in item.__dataclass_fields__:

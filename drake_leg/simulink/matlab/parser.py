@@ -2,19 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TypeVar
+
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.expressions import ExpressionParser
+from drake_leg.simulink.matlab.inner_functions import beside_one_another
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.syntax import DECLARATIONS, JUMPS, REFUSED
 
 _SEPARATORS = (";", ",", "\n")
 
+Found = TypeVar("Found")
+
 
 class Parser(ExpressionParser):
     """A reader of tokens: of one expression, or of the code of a MATLAB Function block."""
 
+    _inside = False  # whether functions are inside one another
+
     def script(self) -> syntax.Script:
         """Read a file of statements, of functions, or of both."""
+        found = self._read(Parser._script)
+        return replace(found, functions=_flat(found.functions))
+
+    def functions(self) -> tuple[syntax.Function, ...]:
+        """Read all functions; the first one is the block's."""
+        found = _flat(self._read(Parser._functions))
+        names = [function.name for function in found]
+        for function in found:
+            if names.count(function.name) > 1:
+                raise MatlabError(f"there are two functions {function.name}", function.line)
+        return found
+
+    def _read(self, kind: Callable[[Parser], Found]) -> Found:
+        """Read functions one after the other; where this leaves an 'end', inside one another."""
+        try:
+            return kind(self)
+        except MatlabError as fault:
+            within = Parser(self._tokens)
+            within._inside = True
+            try:
+                return kind(within)
+            except MatlabError:
+                raise fault from None
+
+    def _script(self) -> syntax.Script:
         statements: list[syntax.Statement] = []
         functions: list[syntax.Function] = []
         self._skip_separators()
@@ -29,23 +63,17 @@ class Parser(ExpressionParser):
                 raise self.unexpected("where a statement should be")
         return syntax.Script(statements=tuple(statements), functions=tuple(functions))
 
-    def functions(self) -> tuple[syntax.Function, ...]:
-        """Read all functions; the first one is the block's."""
+    def _functions(self) -> tuple[syntax.Function, ...]:
         found: list[syntax.Function] = []
         self._skip_separators()
         while self.next.kind != "stop":
             if not self._sees_keyword("function"):
                 place = "after the function's end" if found else "where 'function' should be"
-                inside = ": functions inside functions are not supported, move them behind"
-                raise self.unexpected(place + inside * (len(found) > 1))
+                raise self.unexpected(place)
             found.append(self._function())
             self._skip_separators()
         if not found:
             raise MatlabError("there is no function in the code", self.next.line)
-        names = [function.name for function in found]
-        for function in found:
-            if names.count(function.name) > 1:
-                raise MatlabError(f"there are two functions {function.name}", function.line)
         return tuple(found)
 
     def _skip_separators(self) -> None:
@@ -72,9 +100,7 @@ class Parser(ExpressionParser):
         inputs = self._names(")") if self.accept("(") else ()
         self._skip_separators()
         arguments = self._validated()
-        body = self._block("end", "function")
-        if self._sees_keyword("end"):
-            self.take()
+        body, inner = self._body()
         return syntax.Function(
             line=line,
             name=name,
@@ -83,7 +109,23 @@ class Parser(ExpressionParser):
             body=body,
             nesting=self.deepest,
             arguments=arguments,
+            inner=inner,
         )
+
+    def _body(self) -> tuple[tuple[syntax.Statement, ...], tuple[syntax.Function, ...]]:
+        """Read the statements of a function, and the functions inside it, up to its end."""
+        body = self._block("end", "function")
+        inner: list[syntax.Function] = []
+        while self._inside and self._sees_keyword("function"):
+            name, deepest = self.name, self.deepest
+            inner.append(self._function())
+            self.name, self.deepest = name, deepest
+            body += self._block("end", "function")
+        if self._sees_keyword("end"):
+            self.take()
+        elif self._inside:
+            raise MatlabError("an 'end' is missing", self.next.line)
+        return body, tuple(inner)
 
     def _validated(self) -> tuple[syntax.Validated, ...]:
         """Read the ``arguments`` blocks of a function: names and defaults; checks are left out."""
@@ -273,3 +315,7 @@ def _target(left: syntax.Expression, line: int) -> syntax.Target | syntax.Place:
         if isinstance(base, (syntax.Name, syntax.Apply)):
             return syntax.Place(name=base.name, to=left)
     raise MatlabError("the left side of an assignment must be a variable", line)
+
+
+def _flat(functions: tuple[syntax.Function, ...]) -> tuple[syntax.Function, ...]:
+    return tuple(each for function in functions for each in beside_one_another(function))

@@ -477,6 +477,7 @@ class Function:
     body: tuple[Statement, ...]
     nesting: int  # the most expressions and blocks inside one another
     arguments: tuple[Validated, ...] = ()
+    inner: tuple[Function, ...] = ()  # functions inside it, while a file is read
 
 
 @dataclass(frozen=True, kw_only=True)
