@@ -504,7 +504,7 @@ Inspector Interpolation_n-D KnobBlock LampBlock LinearGaugeBlock Lookup Lookup2D
 LookupNDDirect MagnitudeAngleToComplex PermuteDimensions Polyval PreLookup Probe PushButtonBlock
 Queue RateTransition RealImagToComplex Record ResetPort Reshape RockerSwitchBlock
 RotarySwitchBlock S-Function SignalConversion SignalSpecification SignalViewerScope Signum
-SliderBlock SliderSwitchBlock Squeeze Stop SwitchCase Terminator TmpDummySource
+SliderBlock SliderSwitchBlock Squeeze Stop SwitchCase Terminator TimeScope TmpDummySource
 ToggleSwitchBlock TriggerPort TwoWayConnection UnaryMinus VariableTimeDelay WhileIterator Width
 ZeroOrderHold
 """

@@ -154,6 +154,33 @@ def _interp1(budget: Allowance, wanted: int, x: Any, y: Any, *rest: Any) -> Any:
     return settled(np.column_stack(found) if len(found) > 1 else found[0].reshape(at.shape))
 
 
+def _interp2(budget: Allowance, wanted: int, *given: Any) -> Any:
+    """Values of a surface, whose rows run along y, between its points."""
+    from scipy.interpolate import RegularGridInterpolator  # takes a while to load
+
+    arrays, rest = [], list(given)
+    while rest and not isinstance(rest[0], str):
+        arrays.append(numbers_of(rest.pop(0)))
+    method, outside = str(rest[0]) if rest else "linear", rest[1:] or [np.nan]
+    if method not in ("linear", "nearest") or len(outside) > 1:
+        raise LackError(f"interp2 by {method!r} is not known here")
+    if len(arrays) == 3:
+        rows, columns = arrays[0].shape
+        arrays = [np.arange(1.0, columns + 1.0), np.arange(1.0, rows + 1.0), *arrays]
+    if len(arrays) != 5:
+        raise MatlabError("interp2 takes X, Y, the values, and the places")
+    x, y, values, at_x, at_y = arrays
+    if x.ndim == 2 and 1 not in x.shape:
+        x, y = x[0], y[:, 0]
+    if at_x.shape != at_y.shape and 1 in at_x.shape and 1 in at_y.shape:
+        at_x, at_y = np.meshgrid(at_x.ravel(), at_y.ravel())
+    budget.work(10.0 * at_x.size)
+    surface = RegularGridInterpolator(
+        (y.ravel(), x.ravel()), values, method, bounds_error=False, fill_value=scalar(outside[0])
+    )
+    return settled(surface(np.stack([at_y, at_x], axis=-1)).reshape(at_x.shape))
+
+
 def _curves(y: Any) -> NDArray[np.float64]:
     values = numbers_of(y)
     return values.reshape(-1, 1) if min(values.shape) == 1 else values
@@ -246,6 +273,7 @@ def _sphere(budget: Allowance, wanted: int, count: Any = 20.0) -> Any:
 
 CURVES: dict[str, Known] = {
     "interp1": _interp1,
+    "interp2": _interp2,
     "cylinder": _cylinder,
     "sphere": _sphere,
     "spline": of_values(_spline),

@@ -83,6 +83,17 @@ def _eps(x: Any) -> Any:
     return np.abs(np.spacing(x))
 
 
+def _wrapped(turn: float) -> Any:
+    """Map angles to one turn from zero; positive multiples of it to its end."""
+    return lambda x: np.where((x > 0.0) & (np.mod(x, turn) == 0.0), turn, np.mod(x, turn))
+
+
+def _centred(turn: float) -> Any:
+    """Map angles to half a turn on both sides of zero, both ends included."""
+    half, whole_turn = turn / 2.0, _wrapped(turn)
+    return lambda x: np.where(np.abs(x) <= half, x, whole_turn(x + half) - half)
+
+
 CONSTANTS: dict[str, Any] = {
     "pi": math.pi,
     "eps": float(np.finfo(float).eps),
@@ -117,6 +128,10 @@ _OF_ONE: dict[str, Any] = {
     "asinh": np.arcsinh,
     "acosh": lambda x: np.arccosh(np.asarray(x, complex)),
     "atanh": lambda x: np.arctanh(np.asarray(x, complex)),
+    "wrapToPi": _centred(2.0 * math.pi),
+    "wrapTo2Pi": _wrapped(2.0 * math.pi),
+    "wrapTo180": _centred(360.0),
+    "wrapTo360": _wrapped(360.0),
     "deg2rad": _radians,
     "rad2deg": _degrees,
     "degtorad": _radians,

@@ -1,8 +1,10 @@
 """The page on MATLAB names all functions that are known, and no others."""
 
+import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
@@ -33,3 +35,20 @@ def test_no_function_breaks_on_any_value(value):
     workspace = Workspace()
     workspace.run(code, name="s.m")
     assert all(0 < len(str(one)) < 400 for one in workspace.skipped)
+
+
+@pytest.mark.parametrize(("name", "half"), [("wrapToPi", math.pi), ("wrapTo180", 180.0)])
+def test_angles_are_mapped_to_one_turn_around_zero(name, half):
+    given = np.array([-3.0, -1.0, 0.0, 1.0, 3.0, 1.25, -1.25, 7.5]) * half
+    found = Workspace().evaluate(f"{name}([{' '.join(map(repr, given.tolist()))}])")
+    expected = np.array([-1.0, -1.0, 0.0, 1.0, 1.0, -0.75, 0.75, -0.5]) * half
+    # The two ends are one angle: rounding decides between them where a multiple is not exact.
+    near = np.minimum(abs(found.ravel() - expected), 2 * half - abs(found.ravel() - expected))
+    np.testing.assert_allclose(near, 0.0, atol=1e-13 * half)
+    assert found.ravel()[[1, 2, 3]].tolist() == [-half, 0.0, half]
+
+
+def test_angles_are_mapped_to_one_turn_from_zero():
+    found = Workspace().evaluate("[wrapTo360([-90 0 360 720 450]); 0 0 0 0 wrapTo2Pi(-pi/2)]")
+    np.testing.assert_allclose(found[0], [270.0, 0.0, 360.0, 360.0, 90.0])
+    assert found[1, 4] == pytest.approx(1.5 * math.pi)

@@ -133,6 +133,12 @@ def test_poles_are_put_where_they_are_wanted(name):
     np.testing.assert_allclose(np.sort_complex(closed), [-3 - 1j, -3 + 1j, -2], atol=1e-9)
 
 
+def test_poles_are_placed_by_several_inputs():
+    found = ran(f"{ACTING}B = [B [1;0;0]]; K = place(A, B, P);")
+    closed = np.linalg.eigvals(found["A"] - found["B"] @ found["K"])
+    np.testing.assert_allclose(np.sort_complex(closed), [-3 - 1j, -3 + 1j, -2], atol=1e-9)
+
+
 def test_an_observer_is_placed_by_the_transposes():
     found = ran(f"{SYSTEM}L = place(A', C', [-5 -6])'; n = rank(obsv(A, C));")
     closed = np.linalg.eigvals(found["A"] - found["L"] @ found["C"])
@@ -151,7 +157,7 @@ def test_what_inputs_reach_is_by_its_definition():
 @pytest.mark.parametrize(
     ("call", "problem"),
     [
-        ("place(A, [B B], P)", "'place' of several inputs"),
+        ("acker(A, [B B], P)", "'acker' takes one input, not 2"),
         ("place(A, B, [-1 -2])", "'place' takes 3 poles, not 2"),
         ("acker(A, B, [-1 -2+1i -2+2i])", "complex poles in conjugate pairs"),
         ("acker(eye(3), B, P)", "the input does not reach all states"),
@@ -215,3 +221,15 @@ def test_a_quintic_meets_what_is_given_at_its_way_points():
 def test_a_motion_without_a_way_point_a_time_is_told():
     assert "a way point for each" in said("q = cubicpolytraj([1 2 3], [0 1], 0:0.1:1);")
     assert "is not known here" in said("q = cubicpolytraj([1 2], [0 1], 0.5, 'Method', 1);")
+
+
+def test_a_surface_is_interpolated_between_its_points():
+    found = ran("[X, Y] = meshgrid(0:2, [0 1 3]); V = 2*X + 5*Y + X.*Y; "
+                "p = interp2(X, Y, V, [0.5 2], [2 3]); q = interp2(V, 1.5, 2); "
+                "n = interp2(0:2, [0 1 3], V, 1.6, 0.4, 'nearest'); "
+                "o = interp2(X, Y, V, 9, 0); z = interp2(X, Y, V, 9, 0, 'linear', -1); "
+                "[a, b] = meshgrid([0 1], [0 1]); g = interp2(X, Y, V, a, b);")  # fmt: skip
+    np.testing.assert_allclose(found["p"], [[12.0, 25.0]], rtol=1e-14)
+    assert (found["q"], found["n"], found["z"]) == (6.5, 4.0, -1.0)
+    assert np.isnan(found["o"])
+    np.testing.assert_allclose(found["g"], [[0.0, 2.0], [5.0, 8.0]])

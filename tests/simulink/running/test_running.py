@@ -232,9 +232,9 @@ def test_an_algebraic_loop_is_named(tmp_path):
 
 def test_code_that_does_not_run_is_told_with_its_block(tmp_path):
     rig = Rig()
-    script = "function y = f()\ny = g();\nfunction z = g()\nz = 1;\nend\ny = 2;\nend\n"
+    script = "function y = f()\na = 2;\ny = 2*g();\nfunction z = g()\na = 1;\nz = a;\nend\nend\n"
     rig.show(rig.add_function("Law", script), "y")
-    with pytest.raises(InvalidValueError, match=r"block 'Law' \(SID .*line 6.*inside functions"):
+    with pytest.raises(InvalidValueError, match=r"block 'Law' \(SID .*g, line 4.*inside another"):
         rig.code(tmp_path)
 
 

@@ -138,3 +138,41 @@ def test_a_sum_without_a_sample_time_is_over_the_time_that_passes(method, error,
     run = rig.run(tmp_path)
     expected = 3.0 * (run.time**2 + error * run.time / 500) / 2.0
     assert shown(run, "y")[-1] == pytest.approx(expected[-1], abs=1e-9)
+
+
+@pytest.mark.parametrize("method", ["Forward Euler", "Backward Euler", "Trapezoidal"])
+def test_a_sum_begins_where_a_signal_says(method, tmp_path):
+    """The signal is read at the start and never again."""
+    rig = Rig()
+    start = rig.block("Sum", "start", rig.block("Clock", "clock"), rig.constant("[5 7]"))
+    total = rig.block("DiscreteIntegrator", "sum", rig.constant("[2 -1]"), start,
+                      IntegratorMethod=f"Integration: {method}", SampleTime="0.1",
+                      InitialConditionSource="external")  # fmt: skip
+    rig.show(total, "y")
+    run = rig.run(tmp_path)
+    steps = np.floor(run.time / 0.1 + 1e-9)
+    ahead = {"Forward Euler": 0.0, "Backward Euler": 1.0, "Trapezoidal": 0.5}[method]
+    expected = np.array([5.0, 7.0]) + 0.1 * (steps[:, np.newaxis] + ahead) * np.array([2.0, -1.0])
+    np.testing.assert_allclose(shown(run, "y").reshape(len(steps), 2), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("how", "resets"),
+    [("rising", [5]), ("falling", [8]), ("either", [5, 8]), ("sampled level", [5, 6, 7])],
+)
+def test_a_sum_is_reset_by_a_signal(how, resets, tmp_path):
+    rig = Rig()
+    pulse = rig.block("Sum", "pulse",
+                      rig.block("Step", "up", Time="0.5", SampleTime="0.1"),
+                      rig.block("Step", "down", Time="0.8", SampleTime="0.1"),
+                      Inputs="+-")  # fmt: skip
+    rig.show(rig.block("DiscreteIntegrator", "sum", rig.constant("1"), pulse, SampleTime="0.1",
+                       InitialCondition="3", ExternalReset=how), "y")  # fmt: skip
+    run = rig.run(tmp_path, duration=1.0)
+    value, expected = 3.0, []
+    for step in range(10):
+        value = 3.0 if step in resets else value
+        expected.append(value)
+        value += 0.1
+    at = np.searchsorted(run.time, np.arange(10) * 0.1 + 0.05)
+    np.testing.assert_allclose(shown(run, "y")[at], expected, atol=1e-12)

@@ -13,7 +13,7 @@ from drake_leg.simulink.running.kinds.continuous import reset_condition
 from drake_leg.simulink.running.kinds.discontinuities import limit_code, output_after
 from drake_leg.simulink.running.kinds.options import sample_time
 from drake_leg.simulink.running.network import Node
-from drake_leg.simulink.running.settings import Settings, Signal, shape_of
+from drake_leg.simulink.running.settings import Settings, Signal, shape_of, zero_like
 
 
 def _input_after(w: Writer) -> None:
@@ -103,10 +103,50 @@ def _integral_after(w: Writer) -> None:
 
 def _integral_inputs(node: Node, settings: Settings) -> Iterable[int]:
     forward = "Forward" in settings.text("IntegratorMethod", "Integration: Forward Euler")
-    return () if forward else (0,)
+    return (*(() if forward else (0,)), *_extra_ports(settings).values())
 
 
-@kind("DiscreteIntegrator", finish=_integral_after, direct=_integral_inputs, sampled=True)
+def _extra_ports(settings: Settings) -> dict[str, int]:
+    """Numbers of the inputs that reset an integrator and that say where it begins."""
+    has = {
+        "reset": _reset_of(settings) != "none",
+        "start": settings.text("InitialConditionSource", "internal") == "external",
+    }
+    names = [name for name, is_there in has.items() if is_there]
+    return {name: number for number, name in enumerate(names, start=1)}
+
+
+def _begun(w: Writer) -> Operand:
+    """Write the sum so far: where it begins at first and after a reset."""
+    ports = _extra_ports(w.settings)
+    if "start" in ports:
+        u = w.numeric(ports["start"])
+        start, zero = u.code, zero_like(u.value)
+        before = w.remembered(zero)
+        fresh = f"{w.remembered(0.0, number=3).code} == 0.0"
+    else:
+        before = w.remembered(w.settings.array("InitialCondition", "0"))
+        start, fresh = w.constant(before.value, "fresh"), "False"
+    if not ports:
+        return before
+    if "reset" in ports:
+        w.kept["reset"] = w.number(ports["reset"]).code
+        last = w.remembered(0.0, number=4).code
+        how = _reset_of(w.settings).replace("sampled level", "level hold")
+        is_reset = reset_condition(w, how, last, w.kept["reset"])
+        fresh = f"{fresh} or ({is_reset})"
+    return w.let(f"{start} if {fresh} else {before.code}", "sum")
+
+
+def _integrated(w: Writer) -> None:
+    _integral_after(w)
+    if "start" in _extra_ports(w.settings):
+        w.remember("1.0", number=3)
+    if "reset" in w.kept:
+        w.remember(w.kept["reset"], number=4)
+
+
+@kind("DiscreteIntegrator", finish=_integrated, direct=_integral_inputs, sampled=True)
 def discrete_integrator(w: Writer) -> None:
     """Sum up by one of three methods, over the sample time or the time since it ran last."""
     method = w.settings.text("IntegratorMethod", "Integration: Forward Euler")
@@ -116,7 +156,7 @@ def discrete_integrator(w: Writer) -> None:
         if "Backward" in method
         else ("trapezoidal" if "Trapezoidal" in method else "forward")
     )
-    before = w.remembered(w.settings.array("InitialCondition", "0"))
+    before = _begun(w)
     sums = method.startswith("Accumulation")
     if w.period is None and not sums:
         code = f"{before.code} + {_passed(w, w.constant(gain))}"

@@ -26,9 +26,8 @@ USUAL: Mapping[str, Usual] = {
     "Discrete PID Controller (2DOF)": _PID_OF_TWO,
     "PID Controller (2DOF)": _PID_OF_TWO,
     "DiscreteIntegrator": {
-        "ExternalReset": ("none",),
+        "ExternalReset": ("none", "rising", "falling", "either", "level", "sampled level"),
         "InitialConditionSetting": ("Auto", "State (most efficient)", "State"),
-        "InitialConditionSource": ("internal",),
     },
     "SecondOrderIntegrator": {
         "ExternalReset": ("none",),

@@ -58,7 +58,7 @@ def to_physical(w: Writer) -> None:
     w.put(made)
     zero = "0.0" if made.is_scalar else f"zeros({made.shape})"
     dots = [zero, zero]
-    for place in range(min(max(given, w.count - 1), 2)):
+    for place in range(min(w.count - 1, 2)):  # what is not connected is zero
         dots[place] = w.let(_scaled(w.numeric(place + 1).code, factor, 0.0), "rate").code
     is_told = how == "zero" or w.node.feeds_motion or given > 0 or w.count > 1
     if w.node.outputs and is_told:

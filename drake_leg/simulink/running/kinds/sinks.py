@@ -38,7 +38,8 @@ def _leaves(name: str, u: Operand) -> list[tuple[str, Operand]]:
 
 
 @kind("Scope", "Display", "XY Graph", "FloatingScope", "DashboardScope", "Record", "ToFile",
-      "DisplayBlock", "SignalViewerScope", "Spectrum Analyzer", sample_time="")  # fmt: skip
+      "DisplayBlock", "SignalViewerScope", "Spectrum Analyzer", "TimeScope",
+      sample_time="")  # fmt: skip
 def scope(w: Writer) -> None:
     """Show signals over time."""
     show(w, [])
