@@ -20,6 +20,15 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def begin_loading(*modules: str) -> None:
+    """Start loading what workers need, and more modules, while this process does something else."""
+    if START == "forkserver" and not multiprocessing.current_process().daemon:
+        from multiprocessing import forkserver
+
+        forkserver.set_forkserver_preload([*LOADED, *modules])
+        forkserver.ensure_running()
+
+
 def new_processes(count: int) -> ProcessPoolExecutor:
     """Start worker processes: new ones, not copies of this one."""
     context = multiprocessing.get_context(START)

@@ -112,11 +112,10 @@ def _mechanism(
 
 def _seen(what: Any, *, caption: str, motion: PlantMotion | None = None) -> Still:  # noqa: ANN401
     from drake_leg.pictures.model_page import Still
-    from drake_leg.scene.lettering import DARK, LIGHT
-    from drake_leg.scene.media import still
+    from drake_leg.scene.media import on_both_papers
 
     q = None if motion is None else motion.q[0]
-    light, dark = (still(what, q, motion=motion, paper=paper).png for paper in (LIGHT, DARK))
+    light, dark = on_both_papers(what, q, motion=motion)
     return Still(light=light, dark=dark, caption=caption)
 
 

@@ -11,6 +11,7 @@ from drake_leg.arguments import require_callable, require_kind, shown
 from drake_leg.errors import InvalidValueError, PictureError
 from drake_leg.files import ResultsFolder
 from drake_leg.lab.errata.catalogue import Erratum, erratum_of, texts_by_number
+from drake_leg.processes import begin_loading
 
 
 @dataclass(frozen=True)
@@ -131,11 +132,12 @@ def report(
     >>> made.page  # doctest: +SKIP
     PosixPath('report/report.html')
     """
-    from drake_leg.lab.page.page import write_report
-
     require_kind("folder", folder, str, Path)
     require_callable("progress", progress)
     target = ResultsFolder(Path(folder), overwrite=overwrite)
+    begin_loading("drake_leg.lab.page.items")
+    from drake_leg.lab.page.page import write_report
+
     with target.begun() as scratch:
         failures = write_report(scratch, progress or (lambda _done: None))
     return Report(page=target.path / "report.html", failures=tuple(failures))

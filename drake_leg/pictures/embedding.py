@@ -10,6 +10,8 @@ from typing import Any
 from urllib.parse import quote
 from xml.etree import ElementTree
 
+import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
@@ -22,15 +24,15 @@ STILL = {"quality": 90, "method": 4, "use_sharp_yuv": True}  # of a view with sh
 PLAIN = ' !$"()*+,-./:;<=>?@[]_~'  # needs no escape in an address between single quotes
 
 
-def embedded_png(png: bytes) -> str:
-    """Embed a view with shades as WebP."""
-    return _webp(png, STILL)
+def embedded_view(pixels: NDArray[np.uint8]) -> str:
+    """Embed a view with shades, (h, w, 3), as WebP."""
+    return _webp(Image.fromarray(pixels), STILL)
 
 
-def _webp(png: bytes, settings: Mapping[str, Any]) -> str:
-    """Embed a PNG as WebP."""
+def _webp(image: Image.Image, settings: Mapping[str, Any]) -> str:
+    """Embed a picture as WebP."""
     file = io.BytesIO()
-    Image.open(io.BytesIO(png)).save(file, "WEBP", **settings)
+    image.save(file, "WEBP", **settings)
     return f"data:image/webp;base64,{base64.b64encode(file.getvalue()).decode('ascii')}"
 
 
@@ -68,7 +70,8 @@ def _shorter(name: str, value: str) -> str:
     if name == "d":
         return re.sub(r"\s*([MLQCz])\s*", r"\1", _rounded(value))
     if name == "href" and value.startswith(PNG):
-        return _webp(base64.b64decode(value.removeprefix(PNG)), EXACT)
+        png = base64.b64decode(value.removeprefix(PNG))
+        return _webp(Image.open(io.BytesIO(png)), EXACT)
     return value
 
 

@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from numpy.typing import NDArray
 
 from drake_leg.arguments import printable, some_of
 from drake_leg.errors import InvalidValueError
 from drake_leg.pictures.drawing import draw
-from drake_leg.pictures.embedding import embedded_png, embedded_svg
+from drake_leg.pictures.embedding import embedded_svg, embedded_view
 from drake_leg.pictures.of_simulink import model_pictures
 from drake_leg.pictures.outline import outline_picture
 from drake_leg.pictures.svg import Picture
@@ -36,10 +37,10 @@ SHORT_ARRAY = 12  # numbers that are written out
 
 @dataclass(frozen=True, kw_only=True)
 class Still:
-    """The mechanism in 3D, as PNG."""
+    """The mechanism in 3D, (h, w, 3) on light and on dark paper."""
 
-    light: bytes
-    dark: bytes
+    light: NDArray[np.uint8]
+    dark: NDArray[np.uint8]
     caption: str
 
 
@@ -127,7 +128,9 @@ def model_page(
         notes=[*_notes(model, summary, notes)],
         command=command,
     )
-    stills = {"light": embedded_png(still.light), "dark": embedded_png(still.dark)} if still else {}
+    stills = (
+        {"light": embedded_view(still.light), "dark": embedded_view(still.dark)} if still else {}
+    )
     html: str = _template("model.html").render(
         page=page,
         stills=stills,

@@ -27,6 +27,7 @@ from drake_leg.scene.artists import (
 )
 from drake_leg.scene.furniture import TRACE
 from drake_leg.scene.lettering import (
+    DARK,
     LIGHT,
     AxisNames,
     Paper,
@@ -144,6 +145,27 @@ def still(
     return _still(scene, posture, seen_from, paper)
 
 
+def on_both_papers(
+    what: Showable,
+    q: ArrayLike | None = None,
+    *,
+    view: View | str = "3d",
+    motion: Record | None = None,
+) -> tuple[Pixels, Pixels]:
+    """Draw what ``still`` draws on light and on dark paper, as arrays (h, w, 3) of bytes."""
+    posture = at_rest(what, q)
+    scene = scene_of(posture if motion is None else motion_of(what, motion))
+    light, dark = (_drawn(scene, posture, as_view(view), paper) for paper in (LIGHT, DARK))
+    return light, dark
+
+
+def png_of(pixels: Pixels) -> bytes:
+    """Encode a picture as PNG."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, "PNG", optimize=True)
+    return buffer.getvalue()
+
+
 def walking_still(motion: PlantMotion, time: float, *, view: View | str = "3d") -> Still:
     """Take a picture of a robot that walks at a time [s], with its support and its forces."""
     moment = motion.at(time)
@@ -151,6 +173,10 @@ def walking_still(motion: PlantMotion, time: float, *, view: View | str = "3d") 
 
 
 def _still(scene: Scene, posture: PlantMotion, seen_from: View, paper: Paper) -> Still:
+    return Still(png_of(_drawn(scene, posture, seen_from, paper)))
+
+
+def _drawn(scene: Scene, posture: PlantMotion, seen_from: View, paper: Paper) -> Pixels:
     able: type[Renderer] | type[Sketcher] = Renderer if rendering_fault() is None else Sketcher
     artist = able(scene, width=SMOOTHING * WIDTH, height=SMOOTHING * HEIGHT, paper=paper)
     seen_from = scene.own(seen_from)
@@ -169,9 +195,7 @@ def _still(scene: Scene, posture: PlantMotion, seen_from: View, paper: Paper) ->
     for back, line in enumerate(reversed(lines)):
         y = HEIGHT - 24 - 1.4 * CAPTION * back
         words.append(Words(text=line, x=28, y=y, size=CAPTION, colour=paper.ink))
-    buffer = io.BytesIO()
-    Image.fromarray(write_on(smooth, words, paper=paper)).save(buffer, "PNG", optimize=True)
-    return Still(buffer.getvalue())
+    return write_on(smooth, words, paper=paper)
 
 
 def _told(scene: Scene, motion: PlantMotion, row: int) -> str:

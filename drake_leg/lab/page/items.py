@@ -37,8 +37,7 @@ from drake_leg.runs.catalogue import run_kind
 from drake_leg.runs.figures import figure_drawers
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
-from drake_leg.scene.lettering import DARK, LIGHT
-from drake_leg.scene.media import replay, still
+from drake_leg.scene.media import on_both_papers, png_of, replay
 from drake_leg.scene.motion import motion_of
 
 HALF_TURN = (0.0, math.pi)  # [rad], the pendulum's angles without damping
@@ -276,10 +275,8 @@ def _blocks(item: Item, maker: ItemMaker) -> ShownItem:
 def _still(item: Item, maker: ItemMaker) -> ShownItem:
     subject = SUBJECTS[item.subject]
     file = maker.folder / f"{item.id}.png"
-    light, dark = (
-        still(subject.robot, subject.q, view=item.show, paper=paper).png for paper in (LIGHT, DARK)
-    )
-    file.write_bytes(light)
+    light, dark = on_both_papers(subject.robot, subject.q, view=item.show)
+    file.write_bytes(png_of(light))
     image = picture(light, f"{item.title}. {item.caption}", dark=dark)
     return ShownItem(
         body=piece("still", image, item),
@@ -297,9 +294,7 @@ def _replay(item: Item, maker: ItemMaker) -> ShownItem:
     file = maker.folder / f"{item.id}.html"
     page = replay(outcome.robot, motion, title=run_kind(RUNS[item.subject].name).heading).html
     file.write_text(page, encoding="utf-8")
-    light, dark = (
-        still(outcome.robot, motion.q[0], motion=motion, paper=paper).png for paper in (LIGHT, DARK)
-    )
+    light, dark = on_both_papers(outcome.robot, motion.q[0], motion=motion)
     poster = picture(light, item.caption, dark=dark)
     return ShownItem(
         body=piece("still", poster, item, file.name),

@@ -130,6 +130,7 @@ OF_RUNS = (
     "locomotion",
     "walked",
 )  # kinds that show the outcome of a run
+SLOWEST_RUNS = ("hexapod", "pendulum-spring", "pendulum-damped")  # begin first
 ALONE = ("map", "still")  # kinds of other pictures; all other kinds are mathematics
 
 Stage = tuple[str | Item, Outcome | ShownItem | PictureError]
@@ -211,7 +212,8 @@ def _made_here(
 def _made_by(pool: Workers, folder: Path) -> Iterator[Stage]:
     """Let workers simulate and draw, while this process does the mathematics."""
     trial = pool.submit(rendering_fault)  # by one process for all
-    waiting: dict[Future[Any], str | Item] = {pool.submit(_outcome_of, key): key for key in RUNS}
+    runs = [*SLOWEST_RUNS, *(key for key in RUNS if key not in SLOWEST_RUNS)]
+    waiting: dict[Future[Any], str | Item] = {pool.submit(_outcome_of, key): key for key in runs}
     here = ItemMaker(folder=folder, outcomes={})
     for item in ITEMS:
         if item.kind not in (*OF_RUNS, *ALONE):
@@ -225,9 +227,9 @@ def _made_by(pool: Workers, folder: Path) -> Iterator[Stage]:
             what, result = waiting.pop(future), future.result()
             if isinstance(what, str):
                 maker = ItemMaker(folder=folder, outcomes={what: result})
-                for item in ITEMS:
-                    if item.kind in OF_RUNS and item.subject == what:
-                        waiting[pool.submit(_made, maker, item, fault)] = item
+                shown = [item for item in ITEMS if item.kind in OF_RUNS and item.subject == what]
+                for item in sorted(shown, key=lambda item: item.kind != "replay"):  # the longest
+                    waiting[pool.submit(_made, maker, item, fault)] = item
             yield what, result
 
 

@@ -11,12 +11,14 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
+from numpy.typing import NDArray
 
 from drake_leg.errors import DrakeLegError
 from drake_leg.lab.errata.catalogue import Erratum, erratum_of, texts_by_number
-from drake_leg.pictures.embedding import embedded_png, embedded_svg
+from drake_leg.pictures.embedding import embedded_svg, embedded_view
 
 
 @cache
@@ -64,16 +66,21 @@ def power(value: float) -> Markup:
 
 
 def picture(
-    data: bytes | str, description: str, *, dark: bytes | None = None, narrow: str | None = None
+    data: NDArray[np.uint8] | str,
+    description: str,
+    *,
+    dark: NDArray[np.uint8] | None = None,
+    narrow: str | None = None,
 ) -> Markup:
-    """Embed a PNG or an SVG in the page, once per medium; the style sheet shows one of them.
+    """Embed a view or an SVG in the page, once per medium; the style sheet shows one of them.
 
     A ``picture`` element does not work here: browsers do not choose its source again for printing.
-    ``dark`` is a PNG for dark screens, ``narrow`` an SVG for phones and paper.
+    A view has (h, w, 3) bytes; ``dark`` is one for dark screens, ``narrow`` an SVG for phones and
+    paper.
     """
-    sources = {"any": embedded_svg(data) if isinstance(data, str) else embedded_png(data)}
+    sources = {"any": embedded_svg(data) if isinstance(data, str) else embedded_view(data)}
     if dark is not None:
-        sources = {"light": sources["any"], "dark": embedded_png(dark)}
+        sources = {"light": sources["any"], "dark": embedded_view(dark)}
     elif narrow is not None:
         sources = {"broad": sources["any"], "narrow": embedded_svg(narrow)}
     return piece("images", {kind: Markup(source) for kind, source in sources.items()}, description)
