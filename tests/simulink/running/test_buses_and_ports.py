@@ -236,3 +236,15 @@ def test_a_signal_of_a_bus_does_not_depend_on_the_others(tmp_path):
     run = run_model(runnable(read_model(built.write(tmp_path / "m.slx")), duration=0.1))
     assert run.complete
     assert abs(run.states[-1, 0]) < abs(run.states[0, 0])
+
+
+def test_a_filtered_converter_that_leads_nowhere_runs(tmp_path):
+    rig = Rig()
+    clock = rig.block("Clock", "clock")
+    rig.show(clock, "y")
+    ends = rig.add_library("nesl_utility/Simulink-PS Converter", "ends",
+                           {"FilteringAndDerivatives": "filter", "SimscapeFilterOrder": "2"},
+                           ports={"in": 1, "rconn": 1})  # fmt: skip
+    rig.connect(clock, ends)
+    run = rig.run(tmp_path)
+    np.testing.assert_allclose(shown(run, "y"), run.time, atol=1e-12)

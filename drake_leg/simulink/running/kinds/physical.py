@@ -93,7 +93,8 @@ def _filtered(w: Writer, u: Operand, order: int) -> None:
         w.kept["first"], w.kept["second"] = v.code, second.code
         dots = (v.code, second.code)
     w.put(y)
-    w.pen.dots[w.node.outputs[0]] = dots
+    if w.node.outputs:
+        w.pen.dots[w.node.outputs[0]] = dots
 
 
 @kind("PS-Simulink Converter", sample_time="")
