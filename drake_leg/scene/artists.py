@@ -62,7 +62,8 @@ TRIAL = """
 import numpy as np
 from drake_leg.robot.robots import PENDULUM
 from drake_leg.scene.artists import Renderer
-from drake_leg.scene.scene import at_rest, scene_of
+from drake_leg.scene.motion import at_rest
+from drake_leg.scene.scene import scene_of
 from drake_leg.scene.views import VIEWS
 motion = at_rest(PENDULUM, [0.3])
 image = Renderer(scene_of(motion), width=64, height=48).image(motion.poses()[0], VIEWS["front"])

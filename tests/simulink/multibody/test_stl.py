@@ -74,7 +74,9 @@ def test_a_file_solid_has_its_mass_from_the_file(tmp_path):
     built.joint("Revolute", "Hip")
     built.meet("World", "Hip lconn:1")
     built.meet("Hip", "Part")
-    with pytest.raises(InvalidValueError, match="which lies nowhere in the given folders: make its"):
+    with pytest.raises(
+        InvalidValueError, match="which lies nowhere in the given folders: make its"
+    ):
         built.mechanism(tmp_path)
     binary(tmp_path / "part.stl", corners())
     part = built.mechanism(tmp_path).bodies[1].properties
