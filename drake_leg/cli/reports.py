@@ -32,7 +32,6 @@ from drake_leg.cli.terminal import (
 )
 from drake_leg.errors import InvalidValueError, TimeBudgetError, require_matplotlib
 from drake_leg.files import ResultsFolder
-from drake_leg.processes import begin_loading
 from drake_leg.progress import ProgressBar, TimeBudget
 from drake_leg.symbolic.catalogue import (
     SUBJECTS,
@@ -231,7 +230,9 @@ def configure_report(parser: argparse.ArgumentParser) -> None:
 def _report(chosen: argparse.Namespace) -> int:
     folder = ResultsFolder(chosen.out, overwrite=chosen.overwrite)
     require_matplotlib()
-    begin_loading("drake_leg.lab.page.items")
+    from drake_leg.lab.page.workers import begin_loading_pages
+
+    begin_loading_pages()
     from drake_leg.lab.page.page import STAGES, write_report
 
     with ProgressBar(sys.stderr, "report", STAGES, "stages") as bar, folder.begun() as scratch:

@@ -11,7 +11,7 @@ from drake_leg.arguments import require_callable, require_kind, shown
 from drake_leg.errors import InvalidValueError, PictureError
 from drake_leg.files import ResultsFolder
 from drake_leg.lab.errata.catalogue import Erratum, erratum_of, texts_by_number
-from drake_leg.processes import begin_loading
+from drake_leg.lab.page.workers import begin_loading_pages
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def report(
     require_kind("folder", folder, str, Path)
     require_callable("progress", progress)
     target = ResultsFolder(Path(folder), overwrite=overwrite)
-    begin_loading("drake_leg.lab.page.items")
+    begin_loading_pages()
     from drake_leg.lab.page.page import write_report
 
     with target.begun() as scratch:

@@ -212,7 +212,8 @@ def _made_here(
 def _made_by(pool: Workers, folder: Path) -> Iterator[Stage]:
     """Let workers simulate and draw, while this process does the mathematics."""
     trial = pool.submit(rendering_fault)  # by one process for all
-    runs = [*SLOWEST_RUNS, *(key for key in RUNS if key not in SLOWEST_RUNS)]
+    first = [key for key in SLOWEST_RUNS if key in RUNS]
+    runs = [*first, *(key for key in RUNS if key not in first)]
     waiting: dict[Future[Any], str | Item] = {pool.submit(_outcome_of, key): key for key in runs}
     here = ItemMaker(folder=folder, outcomes={})
     for item in ITEMS:

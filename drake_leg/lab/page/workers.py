@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from types import ModuleType
 from typing import Any
 
-from drake_leg.processes import cores, new_processes
+from drake_leg.processes import begin_loading, cores, new_processes
 from drake_leg.progress import held
 
 MOST = 4  # processes; each takes about 0.7 GB
@@ -21,6 +21,12 @@ def workers_here() -> int:
     if multiprocessing.current_process().daemon:
         return 1
     return min(cores(), MOST)
+
+
+def begin_loading_pages() -> None:
+    """Start loading what the workers need, if there will be any, while this process loads, too."""
+    if workers_here() > 1:
+        begin_loading("drake_leg.lab.page.items")
 
 
 class Workers:

@@ -34,10 +34,10 @@ class SpentError(MatlabError):
 
 
 class StopError(MatlabError):
-    """The text itself stops with an error; `said` is what it says."""
+    """The text itself stops with an error; `said` is what it says, and `identifier` its name."""
 
-    def __init__(self, reason: str, *, said: str = "") -> None:
-        self.said = said
+    def __init__(self, reason: str, *, said: str = "", identifier: str = "") -> None:
+        self.said, self.identifier = said, identifier
         super().__init__(reason)
 
 

@@ -211,5 +211,5 @@ def _rebuilt(node: Any, change: Callable[[Any], Any]) -> Any:
         return tuple(map(change, node))
     if not is_dataclass(node) or isinstance(node, type):
         return node
-    parts = {each.name: getattr(node, each.name) for each in fields(node)}
+    parts = {each.name: node.__dict__[each.name] for each in fields(node)}
     return replace(node, **{name: change(part) for name, part in parts.items()})

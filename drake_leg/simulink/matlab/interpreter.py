@@ -162,8 +162,9 @@ class Interpreter:
         except MatlabError as fault:
             frame.lenient = lenient
             if statement.error:
-                text = fault.said if isinstance(fault, StopError) else str(fault)
-                said = Struct(message=text, identifier="", stack=Struct())
+                said = Struct(message=str(fault), identifier="", stack=Struct())
+                if isinstance(fault, StopError):
+                    said |= {"message": fault.said, "identifier": fault.identifier}
                 self.store(statement.error, said, frame)
             return self.block(statement.handler, frame)
         finally:

@@ -112,14 +112,15 @@ def _assert(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> 
 
 
 def _error(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
-    """``error``: a text, its numbers not put in, without the identifier before it."""
-    said = [str(text) for text in arguments if isinstance(text, str)]
-    if len(said) > 1 and re.fullmatch(r"[\w-]+(:[\w-]+)+", said[0]):
-        said = said[1:]
-    raise StopError(
-        f"it stops with the error {said[0]!r:.80}" if said else "it stops with an error",
-        said=said[0] if said else "",
-    )
+    """``error``: an identifier where more follows, and a text with its numbers put in."""
+    identifier = ""
+    if len(arguments) > 1 and re.fullmatch(r"[\w-]+(:[\w-]+)+", str(arguments[0])):
+        identifier, *arguments = arguments
+    if not (arguments and isinstance(arguments[0], str)):
+        raise StopError("it stops with an error", identifier=identifier)
+    plain = len(arguments) == 1 and not identifier  # a text alone is not a format
+    said = str(arguments[0] if plain else KNOWN["sprintf"](self.budget, 1, *arguments))
+    raise StopError(f"it stops with the error {said!r:.80}", said=said, identifier=identifier)
 
 
 def _load(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:

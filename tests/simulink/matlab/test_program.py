@@ -210,7 +210,7 @@ def test_what_is_singular_is_infinite_without_a_warning(body, expected):
             "function y = f(u)\ny = [zeros(1, 6e4) ones(1, 6e4)];",
             "an array has more than 100,000 elements",
         ),
-        ("function y = f(u)\nerror('%d is too far', u(1))", "the error '%d is too far'"),
+        ("function y = f(u)\nerror('%d is too far', u(1))", "the error '1 is too far'"),
         ("function y = f(u)\nerror()", "line 2: it stops with an error"),
         ("function y = f(u)\nhold on", "line 1: the output 'y' never gets a value"),
         ("function y = f(u)\n1 = y", "line 2: the left side of an assignment must be a variable"),

@@ -362,7 +362,7 @@ def test_all_unknown_names_of_an_expression_are_told_at_once():
 def test_an_error_of_the_script_stops_it():
     found = ran("a = 1;\nerror('too %s', 'far')\nb = 2;")
     assert found.variables == {"a": 1.0}
-    assert "it stops with the error 'too %s'" in str(found.skipped[0])
+    assert "it stops with the error 'too far'" in str(found.skipped[0])
 
 
 def test_each_variable_names_its_source():
@@ -552,3 +552,19 @@ def test_thousands_of_faulty_scripts_neither_crash_nor_hang(rng):
         assert not said or re.search(r"line \d+ of s.m", said)
         assert len(said) < 1000
     assert time.process_time() - began < 120
+
+
+@pytest.mark.parametrize(
+    ("call", "message", "identifier"),
+    [
+        ("error('my:id', 'value %d of %s', 3, 'x')", "value 3 of x", "my:id"),
+        ("error('my:id', '100%%')", "100%", "my:id"),
+        ("error('100% of it: no')", "100% of it: no", ""),
+        ("error('only:this')", "only:this", ""),
+        ("error('%d things', 2)", "2 things", ""),
+    ],
+)
+def test_an_error_that_is_caught_tells_what_it_said(call, message, identifier):
+    workspace = Workspace()
+    workspace.run(f"try, {call}; catch e, m = e.message; k = e.identifier; end", name="s.m")
+    assert (workspace.variables["m"], workspace.variables["k"]) == (message, identifier)
