@@ -11,7 +11,6 @@ from drake_leg.arguments import require_callable, require_kind, shown
 from drake_leg.errors import InvalidValueError, PictureError
 from drake_leg.files import ResultsFolder
 from drake_leg.lab.errata.catalogue import Erratum, erratum_of, texts_by_number
-from drake_leg.lab.page.workers import begin_loading_pages
 
 
 @dataclass(frozen=True)
@@ -132,6 +131,8 @@ def report(
     >>> made.page  # doctest: +SKIP
     PosixPath('report/report.html')
     """
+    from drake_leg.lab.page.workers import begin_loading_pages
+
     require_kind("folder", folder, str, Path)
     require_callable("progress", progress)
     target = ResultsFolder(Path(folder), overwrite=overwrite)

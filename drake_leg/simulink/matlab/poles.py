@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from drake_leg.simulink.matlab import numeric
 from drake_leg.simulink.matlab.data import Allowance, Known, LackError, numbers_of, settled
 from drake_leg.simulink.matlab.inputs import matrix
 from drake_leg.simulink.matlab.numeric import MatlabError
-from drake_leg.simulink.matlab.state_spaces import StateSpace
+from drake_leg.simulink.matlab.state_spaces import StateSpace, regulated
 
 # ruff: noqa: ANN401 - any value of a script
 Array = NDArray[Any]
@@ -96,7 +94,7 @@ def _poles(given: Any, count: int, name: str) -> Array:
     return poles
 
 
-def _riccati(solve: Callable[..., Array], *, sampled: bool, gain_first: bool) -> Known:
+def _riccati(name: str, *, sampled: bool, gain_first: bool) -> Known:
     """Solution, gain and poles of the closed loop; the older functions put the gain last."""
 
     def riccati(
@@ -104,32 +102,19 @@ def _riccati(solve: Callable[..., Array], *, sampled: bool, gain_first: bool) ->
     ) -> Any:
         if more:
             raise LackError("Riccati's equation has A, B, Q and R only here")
-        A, B, Q = (matrix(value) for value in (a, b, q))
-        R = np.eye(B.shape[1]) if r is None else matrix(r)
-        numeric.require_square(A, "care")
-        budget.work(200.0 * A.size * len(A))
-        X = solve(A, B, Q, R)
-        gain = (
-            np.linalg.solve(R + B.T @ X @ B, B.T @ X @ A)
-            if sampled
-            else (np.linalg.solve(R, B.T @ X))
-        )
-        poles = settled(np.linalg.eigvals(A - B @ gain)[:, np.newaxis])
-        found = (settled(gain), poles) if gain_first else (poles, settled(gain))
-        return (settled(X), *found)
+        gain, cost, poles = regulated(budget, a, b, q, r, name=name, sampled=sampled)
+        return (cost, gain, poles) if gain_first else (cost, poles, gain)
 
     return riccati
 
-
-_CONTINUOUS, _SAMPLED = scipy.linalg.solve_continuous_are, scipy.linalg.solve_discrete_are
 
 POLES: dict[str, Known] = {
     "ctrb": _ctrb,
     "obsv": _obsv,
     "acker": _acker,
     "place": _place,
-    "care": _riccati(_CONTINUOUS, sampled=False, gain_first=False),
-    "icare": _riccati(_CONTINUOUS, sampled=False, gain_first=True),
-    "dare": _riccati(_SAMPLED, sampled=True, gain_first=False),
-    "idare": _riccati(_SAMPLED, sampled=True, gain_first=True),
+    "care": _riccati("care", sampled=False, gain_first=False),
+    "icare": _riccati("icare", sampled=False, gain_first=True),
+    "dare": _riccati("dare", sampled=True, gain_first=False),
+    "idare": _riccati("idare", sampled=True, gain_first=True),
 }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -96,7 +95,25 @@ def _matrices(budget: Allowance, wanted: int, system: Any) -> Any:
     return (*(given[name] for name in "ABCD"), given["Ts"])
 
 
-def _regulator(solve: Callable[..., Array], *, sampled: bool) -> Known:
+def regulated(
+    budget: Allowance, a: Any, b: Any, q: Any, r: Any, *, name: str, sampled: bool
+) -> tuple[Any, Any, Any]:
+    """Solve Riccati's equation: the gain, its cost matrix, and the closed loop's eigenvalues."""
+    a, b, q = matrix(a), matrix(b), matrix(q)
+    r = np.eye(b.shape[1]) if r is None else matrix(r)
+    numeric.require_square(a, name)
+    budget.work(200.0 * a.size * len(a))
+    if sampled:
+        cost = scipy.linalg.solve_discrete_are(a, b, q, r)
+        gain = np.linalg.solve(r + b.T @ cost @ b, b.T @ cost @ a)
+    else:
+        cost = scipy.linalg.solve_continuous_are(a, b, q, r)
+        gain = np.linalg.solve(r, b.T @ cost)
+    closed = np.linalg.eigvals(a - b @ gain)[:, np.newaxis]
+    return settled(gain), settled(cost), settled(closed)
+
+
+def _regulator(name: str, *, sampled: bool) -> Known:
     """``lqr`` or ``dlqr``: gain, its cost matrix, and the closed loop's eigenvalues."""
 
     def regulator(budget: Allowance, wanted: int, *given: Any) -> Any:
@@ -106,17 +123,7 @@ def _regulator(solve: Callable[..., Array], *, sampled: bool) -> Known:
             given = (given[0]["A"], given[0]["B"], *given[1:])
         if len(given) != 4:
             raise LackError("a regulator is made of A, B, Q and R only")
-        a, b, q, r = (matrix(value) for value in given)
-        numeric.require_square(a, "lqr")
-        budget.work(200.0 * a.size * len(a))
-        cost = solve(a, b, q, r)
-        gain = (
-            np.linalg.solve(r + b.T @ cost @ b, b.T @ cost @ a)
-            if sampled
-            else np.linalg.solve(r, b.T @ cost)
-        )
-        closed = np.linalg.eigvals(a - b @ gain)[:, np.newaxis]
-        return settled(gain), settled(cost), settled(closed)
+        return regulated(budget, *given, name=name, sampled=sampled)
 
     return regulator
 
@@ -125,6 +132,6 @@ STATE_SPACES: dict[str, Known] = {
     "ss": _ss,
     "c2d": _sampled,
     "ssdata": _matrices,
-    "lqr": _regulator(scipy.linalg.solve_continuous_are, sampled=False),
-    "dlqr": _regulator(scipy.linalg.solve_discrete_are, sampled=True),
+    "lqr": _regulator("lqr", sampled=False),
+    "dlqr": _regulator("dlqr", sampled=True),
 }

@@ -52,6 +52,14 @@ def _reset_of(settings: Settings) -> str:
     return settings.text("ExternalReset", "None").lower()
 
 
+def _resets(w: Writer, place: int, *, number: int) -> str:
+    """Write on what the signal at an input resets a block, which is to remember it by a number."""
+    w.kept["reset"] = w.number(place).code
+    before = w.remembered(0.0, number=number).code
+    how = _reset_of(w.settings).replace("sampled level", "level hold")
+    return reset_condition(w, how, before, w.kept["reset"])
+
+
 def _delay_inputs(_: Node, settings: Settings) -> Iterable[int]:
     return () if _reset_of(settings) == "none" else (1,)
 
@@ -65,10 +73,8 @@ def delay(w: Writer) -> None:
     if shape != shape_of(start):
         start = np.broadcast_to(np.asarray(start, dtype=float), shape).copy()
     queue = w.remembered((start,) * max(length, 1))
-    if (how := _reset_of(w.settings)) != "none":
-        w.kept["reset"] = w.number(1).code
-        before = w.remembered(0.0, number=1).code
-        is_reset = reset_condition(w, how, before, w.kept["reset"])
+    if _reset_of(w.settings) != "none":
+        is_reset = _resets(w, 1, number=1)
         fresh = w.constant(queue.value, "fresh")
         queue = w.let(f"{fresh} if {is_reset} else {queue.code}", "queue")
     w.kept["queue"] = queue.code
@@ -121,21 +127,16 @@ def _begun(w: Writer) -> Operand:
     ports = _extra_ports(w.settings)
     if "start" in ports:
         u = w.numeric(ports["start"])
-        start, zero = u.code, zero_like(u.value)
-        before = w.remembered(zero)
-        fresh = f"{w.remembered(0.0, number=3).code} == 0.0"
+        start, before = u.code, w.remembered(zero_like(u.value))
+        begins = [f"{w.remembered(0.0, number=3).code} == 0.0"]
     else:
-        before = w.remembered(w.settings.array("InitialCondition", "0"))
-        start, fresh = w.constant(before.value, "fresh"), "False"
-    if not ports:
-        return before
+        before, begins = w.remembered(w.settings.array("InitialCondition", "0")), []
+        if not ports:
+            return before
+        start = w.constant(before.value, "fresh")
     if "reset" in ports:
-        w.kept["reset"] = w.number(ports["reset"]).code
-        last = w.remembered(0.0, number=4).code
-        how = _reset_of(w.settings).replace("sampled level", "level hold")
-        is_reset = reset_condition(w, how, last, w.kept["reset"])
-        fresh = f"{fresh} or ({is_reset})"
-    return w.let(f"{start} if {fresh} else {before.code}", "sum")
+        begins.append(_resets(w, ports["reset"], number=4))
+    return w.let(f"{start} if {' or '.join(begins)} else {before.code}", "sum")
 
 
 def _integrated(w: Writer) -> None:
