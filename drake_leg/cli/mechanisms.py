@@ -39,11 +39,7 @@ def write_mechanism(chosen: argparse.Namespace) -> int:
     mechanism = read_mechanism(Path(chosen.robot), chosen)
     proof = prove_mechanism(mechanism, mechanism_plant(mechanism))
     if not proof.holds:
-        return fail(
-            f"the plant of {chosen.robot} differs from its blocks, by {proof.pose:.1e} in poses, "
-            f"{proof.mass:.1e} in mass, {proof.inertia:.1e} in inertia: nothing is written",
-            DISAGREES,
-        )
+        return fail(f"{chosen.robot}: {proof.difference()}: nothing is written", DISAGREES)
     if chosen.out is None:
         from drake_leg.simulink.multibody.sdf import mechanism_sdf
 

@@ -114,7 +114,8 @@ class Acting:
 
     def _attempt(self, otherwise: Array, work: Callable[..., Array]) -> Array:
         try:
-            return work(self.plant, self.joints, self.coordinates)
+            carriers = sum(body.properties.carrier for body in self.tree.bodies)
+            return work(self.plant, self.joints, self.coordinates, carriers)
         except InvalidValueError as error:
             self.problems.append(str(error))
             return otherwise

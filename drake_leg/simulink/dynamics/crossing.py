@@ -48,7 +48,7 @@ class Crossing:
     def _inertial(self, body: int, response: Response) -> Array:
         """Return the wrench at a body's origin that it takes to move it against gravity."""
         mass = self._masses[body]
-        if not mass.mass:
+        if mass.is_nothing:
             return np.zeros(6)
         moment = response.moment
         R_WB = moment.body_pose(body)[:, :3]

@@ -16,14 +16,18 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.coordinates import Axis, Coordinate
 from drake_leg.simulink.dynamics.joints import Joints
 from drake_leg.simulink.dynamics.ports import Layout
-from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.multibody.mass import ROUNDING, Array
 from drake_leg.simulink.networks.reflection import Reflected
 
 SINGULAR = 1e-13  # of 1, of the mass matrix with a diagonal of ones
 
 
-def rotors(plant: MultibodyPlant, joints: Joints, coordinates: Sequence[Coordinate]) -> Array:
+def rotors(
+    plant: MultibodyPlant, joints: Joints, coordinates: Sequence[Coordinate], carriers: float
+) -> Array:
     """Put rotors at motion-driven joints that need one; return their inertia, for each motion.
+
+    ``carriers`` is the mass of all that stands for none [kg].
 
     Raises
     ------
@@ -33,7 +37,7 @@ def rotors(plant: MultibodyPlant, joints: Joints, coordinates: Sequence[Coordina
     found = np.zeros(len(joints.motions))
     if not plant.num_velocities():
         return found
-    null = _massless(plant)
+    null = _massless(plant, carriers)
     if not null.shape[1]:
         return found
     driven = [np.flatnonzero(joints.S[motion.axis]) for motion in joints.motions]
@@ -43,7 +47,7 @@ def rotors(plant: MultibodyPlant, joints: Joints, coordinates: Sequence[Coordina
             found[number] = 1.0
             actuator.set_default_rotor_inertia(1.0)
             actuator.set_default_gear_ratio(1.0)
-    null = _massless(plant)
+    null = _massless(plant, carriers)
     if null.shape[1]:
         light = np.abs(null).max(axis=1) > 1e-6
         names = dict.fromkeys(
@@ -85,9 +89,11 @@ def _velocity(coordinate: Coordinate) -> int:
     return coordinate.v
 
 
-def _massless(plant: MultibodyPlant) -> Array:
-    """Return directions of the velocities, in columns, in which nothing has mass."""
+def _massless(plant: MultibodyPlant, carriers: float) -> Array:
+    """Return directions of the velocities, in columns, in which nothing but carriers has mass."""
     M = plant.CalcMassMatrix(plant.CreateDefaultContext())
+    light = np.diagonal(M) <= (1.0 + ROUNDING) * carriers
+    M[light, :] = M[:, light] = 0.0
     diagonal = np.sqrt(np.maximum(np.diagonal(M), 0.0))
     scale = np.where(diagonal > 0.0, diagonal, 1.0)
     values, vectors = np.linalg.eigh(M / np.outer(scale, scale))

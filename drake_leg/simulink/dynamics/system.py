@@ -14,6 +14,7 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.acting import Acting
 from drake_leg.simulink.dynamics.applied import LawOfContact
 from drake_leg.simulink.dynamics.at_ports import AtPorts
@@ -23,6 +24,7 @@ from drake_leg.simulink.model import Model
 from drake_leg.simulink.multibody.bodies import Mechanism, mechanism_of
 from drake_leg.simulink.multibody.connections import refuse
 from drake_leg.simulink.multibody.mass import Array
+from drake_leg.simulink.multibody.plant import mechanism_plant, prove_mechanism
 from drake_leg.simulink.networks.reflection import Reflected
 
 Contact = LawOfContact
@@ -197,11 +199,15 @@ def mechanism_dynamics(
     Raises
     ------
     InvalidValueError
-        That lists all that is missing.
+        That lists all that is missing; if the plant differs from its blocks.
     """
+    mechanism = mechanism or mechanism_of(model)
+    proof = prove_mechanism(mechanism, mechanism_plant(mechanism))
+    if not proof.holds:
+        raise InvalidValueError(f"{proof.difference()}: it does not run")
     acting = Acting(
         model,
-        mechanism or mechanism_of(model),
+        mechanism,
         where=where,
         contact=contact,
         reflected=reflected,

@@ -21,6 +21,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 
 ROUNDING = 1e-9  # of the greatest moment of inertia
+CARRIER = 1e-14  # [1/m^2], of the mass that carries moments of inertia, which is rounding
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +45,19 @@ class MassProperties:
         if np.linalg.det(axes) < 0.0:
             axes[:, 2] *= -1.0
         return moments, axes
+
+    @property
+    def carrier(self) -> float:
+        """The mass that stands for none [kg]: Drake's moments of inertia are multiples of a mass.
+
+        It is 0 if there is a mass, or no moment of inertia.
+        """
+        return 0.0 if self.mass else CARRIER * float(np.abs(self.inertia).max())
+
+    @property
+    def is_nothing(self) -> bool:
+        """Whether it has neither mass nor moments of inertia."""
+        return not (self.mass or self.inertia.any())
 
     @property
     def is_possible(self) -> bool:
@@ -148,13 +162,16 @@ def scaled(properties: MassProperties, scale: float, density: float) -> MassProp
 
 
 def composed(parts: Sequence[tuple[MassProperties, Array]]) -> MassProperties:
-    """Return the properties, in B, of solids with poses X_BR, (4, 4) [m]."""
+    """Return the properties, in B, of solids with poses X_BR, (4, 4) [m].
+
+    Without mass, as of the rotors of gears, the center is the origin of B.
+    """
     mass = sum(part.mass for part, _ in parts)
-    if mass == 0.0:
-        return MassProperties(mass=0.0, center=np.zeros(3), inertia=np.zeros((3, 3)))
     centers = [X[:3, :3] @ part.center + X[:3, 3] for part, X in parts]
-    weights = np.array([part.mass for part, _ in parts]) / mass
-    center = weights @ np.array(centers)
+    center = np.zeros(3)
+    if mass != 0.0:
+        weights = np.array([part.mass for part, _ in parts]) / mass
+        center = weights @ np.array(centers)
     inertia = np.zeros((3, 3))
     for (part, X), at in zip(parts, centers, strict=True):
         arm = at - center

@@ -30,6 +30,7 @@ from drake_leg.simulink.multibody.solids import Solid
 
 TOLERANCE = 1e-12  # of 1, of the greatest distance [m], of the greatest inertia
 POSTURES, SEED = 8, 0
+TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +48,13 @@ class MechanismProof:
     def holds(self) -> bool:
         """Whether all differences are rounding."""
         return max(self.pose, self.mass, self.inertia) <= TOLERANCE
+
+    def difference(self) -> str:
+        """Say how far the plant is from the blocks."""
+        return (
+            f"the plant differs from its blocks, by {self.pose:.1e} in poses, {self.mass:.1e} in "
+            f"mass, {self.inertia:.1e} in inertia"
+        )
 
     def sentence(self, mechanism: Mechanism) -> str:
         """Say what the mechanism is, and how well its plant agrees with the blocks."""
@@ -247,8 +255,9 @@ def _inertias_apart(
         center = np.array(M.get_com())
         about = M.Shift(center).CalcRotationalInertia().CopyToFullMatrix3()
         theirs += _second_moments(M.get_mass(), center, about, X)
-    scale = max(np.abs(ours).max(), np.finfo(float).tiny)
-    mass = abs(ours[3, 3] - theirs[3, 3]) / max(ours[3, 3], np.finfo(float).tiny)
+    scale = max(np.abs(ours).max(), TINY)
+    carriers = sum(body.properties.carrier for body in mechanism.bodies)
+    mass = abs(ours[3, 3] + carriers - theirs[3, 3]) / max(ours[3, 3], theirs[3, 3], TINY)
     return float(mass), float(np.abs(ours - theirs).max() / scale)
 
 

@@ -186,19 +186,20 @@ def _add_axis(joint: ET.Element, primitive: Primitive, sign: float) -> None:
 
 
 def _add_mass(link: ET.Element, body: Body | None) -> None:
-    if body is None or body.properties.mass == 0.0 or not body.properties.is_possible:
+    if body is None or body.properties.is_nothing or not body.properties.is_possible:
         add_inertial(link, CENTRED, 0.0, CENTRED)
         return
     properties = body.properties
     center, inertia = properties.center.tolist(), properties.inertia
+    mass = properties.mass or properties.carrier
     moments, R_LP = properties.principal()
     if moments[2] < (1.0 - ROUNDING) * (moments[0] + moments[1]):
         products = (inertia[0, 1], inertia[0, 2], inertia[1, 2])
         diagonal = np.diag(inertia).tolist()
-        add_inertial(link, center, properties.mass, diagonal, products, show=number)
+        add_inertial(link, center, mass, diagonal, products, show=number)
     else:  # thin: parsers would compute principal moments with rounding, and refuse them
         least = np.clip(moments, 0.0, None).tolist()
-        add_inertial(link, center, properties.mass, least, show=number, R_LP=R_LP)
+        add_inertial(link, center, mass, least, show=number, R_LP=R_LP)
 
 
 def _geometry(shape: Shape | None, mesh: str) -> ET.Element | None:
