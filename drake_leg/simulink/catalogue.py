@@ -579,6 +579,7 @@ Ideal Transformer, Gyrator
 """
 _ELECTRICAL = without_table(
     "Resistor, Capacitor, Inductor, DC Motor, Voltage Source, Battery, Motor & Drive (System Level)"
+    ", Controlled PWM Voltage, H-Bridge"
 )
 _DRIVELINE = without_table("Rotational Damper, Simple Gear, Motor & Drive")
 

@@ -166,6 +166,17 @@ class Bench:
         """Return the difference of potentials or velocities."""
         return self.at(first) - self.at(last)
 
+    def are_one(self, first: str, last: str) -> bool:
+        """Tell whether two ports are at the same connection."""
+        return first in self._ends and self._ends[first] == self._ends.get(last)
+
+    def sensed(self, first: str, last: str) -> Linear:
+        """Return the difference of potentials at two ports into which nothing flows."""
+        for end in (first, last):
+            if end not in self._ends:
+                raise self.fault(f"has nothing at its port {end}: connect it")
+        return self.between(first, last)
+
     def zero(self, equation: Linear) -> None:
         """Add an equation."""
         self._assembly.equations.append((equation, (self.block.sid,)))

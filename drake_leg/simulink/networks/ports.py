@@ -68,6 +68,8 @@ _PORTS: Mapping[str, str] = {
     "Voltage Source": "p | n",
     "Battery": "p | n",
     "Motor & Drive (System Level)": "p T< R | n w> C",
+    "Controlled PWM Voltage": "p1 n1 | p2 n2",
+    "H-Bridge": "ENA REF REV BRK | p2 n2",
     "Motor & Drive": "p T< R | n w> C",
 }  # fmt: skip
 KINDS = tuple(_PORTS)

@@ -11,7 +11,7 @@ import numpy as np
 from drake_leg.arguments import with_article
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.model import Block, split_port
-from drake_leg.simulink.networks import drives, electrical, mechanical  # noqa: F401 - fill KINDS
+from drake_leg.simulink.networks import bridges, drives, electrical, mechanical  # noqa: F401 - fill KINDS
 from drake_leg.simulink.networks.assembly import KINDS, Assembly, Bench
 from drake_leg.simulink.networks.linear import Linear, Quantity
 from drake_leg.simulink.networks.ports import Layout, layout_of
