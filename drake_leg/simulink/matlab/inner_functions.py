@@ -41,6 +41,20 @@ class _Scope:
             yield scope
             scope = scope.around
 
+    def root(self) -> _Scope:
+        """Find the outermost function."""
+        return [self, *self.outer()][-1]
+
+    def owner(self, name: str) -> _Scope:
+        """Find the function whose variable a name is here."""
+        found = self
+        for scope in (self, *self.outer()):
+            if name in scope.own:
+                return scope
+            if name in scope.names:
+                found = scope
+        return found
+
     def seen(self) -> dict[str, _Scope]:
         """Inner functions that it may call, by name."""
         found: dict[str, _Scope] = {}
@@ -86,7 +100,7 @@ def _settle(scopes: list[_Scope]) -> None:
         for scope in scopes:
             for called in _called(scope):
                 for name in called.common:
-                    if name not in scope.common and _is_of_outer(scope, name):
+                    if name not in scope.common and scope.owner(name) is not scope:
                         scope.common[name] = None
                         changed = True
 
@@ -95,30 +109,43 @@ def _called(scope: _Scope) -> list[_Scope]:
     return [each for name, each in scope.seen().items() if name in scope.names]
 
 
-def _is_of_outer(scope: _Scope, name: str) -> bool:
-    return name not in scope.own and any(name in each.names | each.own for each in scope.outer())
-
-
 def _read_first(scope: _Scope) -> list[str]:
     """Variables in common whose value a function may need from outside."""
-    found = []
-    for name in scope.common:
-        first = next((one for one in scope.function.body if name in _names(one)), None)
-        is_set = (
-            isinstance(first, syntax.Assign)
-            and name not in names_in(first.value)
-            and any(
+    return [name for name in scope.common if not _is_set_first(scope, name)]
+
+
+def _is_set_first(scope: _Scope, name: str) -> bool:
+    """Whether a function gives a variable a value before it, or one that it calls, may read it."""
+    readers = {name, *(each for each, one in scope.seen().items() if name in one.common)}
+    for statement in scope.function.body:
+        if readers & {*names_in(statement), *assigned((statement,))}:
+            return _sets(statement, name, readers)
+        if _returns(statement):
+            return False
+    return False
+
+
+def _sets(statement: syntax.Statement, name: str, readers: set[str]) -> bool:
+    match statement:
+        case syntax.Assign(targets=targets, value=value):
+            whole = any(
                 isinstance(each, syntax.Target) and each.indices is None and each.name == name
-                for each in first.targets
+                for each in targets
             )
-        )
-        if not is_set:
-            found.append(name)
-    return found
+            return whole and not readers & {*names_in(value), *names_in(targets)}
+        case syntax.For(variable=variable, over=over):
+            return variable == name and not readers & {*names_in(over)}
+    return False
 
 
-def _names(statement: syntax.Statement) -> set[str]:
-    return {*names_in(statement), *assigned((statement,))}
+def _returns(node: Any) -> bool:
+    if isinstance(node, tuple):
+        return any(map(_returns, node))
+    if isinstance(node, syntax.Jump):
+        return node.keyword == "return"
+    return isinstance(node, syntax.Statement) and any(
+        _returns(node.__dict__[each.name]) for each in fields(node)
+    )
 
 
 def _changed(scope: _Scope, seen: frozenset[str] = frozenset()) -> list[str]:
@@ -140,8 +167,8 @@ def _written(scope: _Scope) -> syntax.Function:
     return replace(
         function,
         inputs=(*function.inputs, *_read_first(scope)),
-        outputs=(*function.outputs, *_changed(scope)),
-        body=_Calls(scope).rewritten(function.body),
+        outputs=(*_changed(scope), *function.outputs),  # these may be fewer, and are set last
+        body=_Calls(scope).body(),
         inner=(),
     )
 
@@ -160,9 +187,19 @@ class _Calls:
     """Hands common variables on in the calls of a function's body."""
 
     def __init__(self, scope: _Scope) -> None:
+        self._scope = scope
         self._seen = {
             name: each for name, each in scope.seen().items() if name not in scope.own | scope.sets
         }
+        self._rest: tuple[syntax.Statement, ...] = ()  # from the one at hand on
+
+    def body(self) -> tuple[syntax.Statement, ...]:
+        """Rewrite the statements of the function."""
+        body, written = self._scope.function.body, []
+        for k, statement in enumerate(body):
+            self._rest = body[k:]
+            written.append(self.rewritten(statement))
+        return tuple(written)
 
     def rewritten(self, node: Any) -> Any:
         match node:
@@ -174,8 +211,38 @@ class _Calls:
                 return self._call(name, (), changing=False)
             case syntax.Handle(name=name) if name in self._seen and self._seen[name].common:
                 raise _refused(self._seen[name].function, "is made a value by @")
+            case syntax.Anonymous(inputs=inputs, body=body):
+                self._require_kept(inputs, body)
+                return _rebuilt(node, self.rewritten)
+            case syntax.Try(body=body):
+                for each in self._called(body):
+                    if _changed(each):
+                        raise _refused(each.function, "changes them where an error is caught")
+                return _rebuilt(node, self.rewritten)
             case _:
                 return _rebuilt(node, self.rewritten)
+
+    def _called(self, node: Any) -> list[_Scope]:
+        return [self._seen[name] for name in names_in(node) if name in self._seen]
+
+    def _require_kept(self, inputs: tuple[str, ...], body: syntax.Expression) -> None:
+        """Refuse an anonymous function that would not see what becomes of a common variable."""
+        for each in self._called(body):
+            for name in each.common:
+                if name in inputs:
+                    raise _refused(
+                        each.function,
+                        f"is called by an anonymous function with an input {name!r} of its own",
+                    )
+                if name in assigned(self._rest) or any(
+                    name in one.sets and one.owner(name) is each.owner(name)
+                    for one in _all(self._scope.root())
+                    if one is not self._scope or one.owner(name) is not one
+                ):
+                    raise _refused(
+                        each.function,
+                        f"is called by an anonymous function, while {name!r} may change",
+                    )
 
     def _statement(self, node: Any, value: syntax.Expression) -> Any:
         name = value.name if isinstance(value, (syntax.Apply, syntax.Name)) else ""
@@ -188,14 +255,15 @@ class _Calls:
         changed = _changed(scope)
         if not changed:
             return replace(_rebuilt(node, self.rewritten), value=call)
-        count = len(scope.function.outputs)
-        dropped = [syntax.Target(name="~")] * (count - len(targets))
         given = [syntax.Target(name=each) for each in changed]
         own = map(self.rewritten, targets)
-        return syntax.Assign(line=node.line, targets=(*own, *dropped, *given), value=call)
+        return syntax.Assign(line=node.line, targets=(*given, *own), value=call)
 
     def _call(self, name: str, arguments: Any, *, changing: bool) -> syntax.Apply:
         scope = self._seen[name]
+        for each in scope.common:
+            if scope.owner(each) is not self._scope.owner(each):
+                raise _refused(scope.function, f"is called where {each!r} is another variable")
         if not changing and _changed(scope):
             raise _refused(scope.function, "changes them where it is called inside an expression")
         needed = _read_first(scope)

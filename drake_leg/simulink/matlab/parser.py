@@ -30,10 +30,7 @@ class Parser(ExpressionParser):
     def functions(self) -> tuple[syntax.Function, ...]:
         """Read all functions; the first one is the block's."""
         found = _flat(self._read(Parser._functions))
-        names = [function.name for function in found]
-        for function in found:
-            if names.count(function.name) > 1:
-                raise MatlabError(f"there are two functions {function.name}", function.line)
+        _require_different(found)
         return found
 
     def _read(self, kind: Callable[[Parser], Found]) -> Found:
@@ -318,4 +315,14 @@ def _target(left: syntax.Expression, line: int) -> syntax.Target | syntax.Place:
 
 
 def _flat(functions: tuple[syntax.Function, ...]) -> tuple[syntax.Function, ...]:
-    return tuple(each for function in functions for each in beside_one_another(function))
+    found = tuple(each for function in functions for each in beside_one_another(function))
+    if len(found) > len(functions):
+        _require_different(found)
+    return found
+
+
+def _require_different(functions: tuple[syntax.Function, ...]) -> None:
+    names = [function.name for function in functions]
+    for function in functions:
+        if names.count(function.name) > 1:
+            raise MatlabError(f"there are two functions {function.name}", function.line)
