@@ -221,7 +221,7 @@ def _meshgrid(budget: Allowance, wanted: int, x: Any, y: Any = None) -> Any:
 
 def _ndgrid(budget: Allowance, wanted: int, *lines: Any) -> Any:
     places = [numbers_of(line).ravel() for line in lines]
-    places = places * max(1, wanted) if len(places) == 1 else places
+    places = places * max(2, wanted) if len(places) == 1 else places
     budget.room(len(places) * math.prod(float(each.size) for each in places))
     return tuple(settled(array) for array in np.meshgrid(*places, indexing="ij"))
 

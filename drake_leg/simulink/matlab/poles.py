@@ -73,6 +73,11 @@ def _place(budget: Allowance, wanted: int, a: Any, b: Any, poles: Any) -> Any:
     A, B = _pair((a, b), "AB", "place")
     budget.work(500.0 * A.size * len(A))
     wanted_poles = _poles(poles, len(A), "place")
+    inputs = np.linalg.matrix_rank(B)
+    if any(np.count_nonzero(wanted_poles == pole) > inputs for pole in wanted_poles):
+        raise MatlabError(
+            f"'place' takes a pole at most {inputs} times, the rank of B: take 'acker'"
+        )
     with warnings.catch_warnings():  # that the most robust gains were not found to the last digit
         warnings.simplefilter("ignore", UserWarning)
         return settled(place_poles(A, B, wanted_poles).gain_matrix)

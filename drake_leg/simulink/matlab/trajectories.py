@@ -44,8 +44,10 @@ def _polynomial(name: str, order: int) -> Known:
 
 def _given(name: str, options: tuple[Any, ...], way: Array, order: int) -> list[Array]:
     """Derivatives at the way points."""
+    if len(options) % 2:
+        raise MatlabError(f"the last option of '{name}' has no value")
     conditions = {key: np.zeros_like(way) for key in _CONDITIONS[:order]}
-    for key, value in zip(options[::2], options[1::2], strict=False):
+    for key, value in zip(options[::2], options[1::2], strict=True):
         if key not in conditions:
             raise LackError(f"the option {str(key)[:40]!r} of '{name}' is not known here")
         if matrix(value).shape != way.shape:

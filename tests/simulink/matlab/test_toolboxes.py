@@ -159,6 +159,7 @@ def test_what_inputs_reach_is_by_its_definition():
     [
         ("acker(A, [B B], P)", "'acker' takes one input, not 2"),
         ("place(A, B, [-1 -2])", "'place' takes 3 poles, not 2"),
+        ("place(A, B, [-1 -2 -2])", "a pole at most 1 times, the rank of B: take 'acker'"),
         ("acker(A, B, [-1 -2+1i -2+2i])", "complex poles in conjugate pairs"),
         ("acker(eye(3), B, P)", "the input does not reach all states"),
         ("place([1 2 3], B, P)", "place"),
@@ -189,6 +190,8 @@ def test_a_gradient_is_exact_for_what_is_quadratic_inside():
 
 
 def test_grids_rows_and_turns():
+    square = ran("a = ndgrid(1:2);")["a"]
+    assert square.tolist() == [[1, 1], [2, 2]]
     found = ran("[a, b] = ndgrid(1:2, 3:5); [s, k] = sortrows([3 1;1 2;1 1]); "
                 "d = sortrows([3 1;1 2;1 1], -2); r = rot90([1 2;3 4]); "
                 "m = rms([3 4]);")  # fmt: skip
@@ -221,6 +224,7 @@ def test_a_quintic_meets_what_is_given_at_its_way_points():
 def test_a_motion_without_a_way_point_a_time_is_told():
     assert "a way point for each" in said("q = cubicpolytraj([1 2 3], [0 1], 0:0.1:1);")
     assert "is not known here" in said("q = cubicpolytraj([1 2], [0 1], 0.5, 'Method', 1);")
+    assert "has no value" in said("q = cubicpolytraj([1 2], [0 1], 0.5, 'Method');")
 
 
 def test_a_surface_is_interpolated_between_its_points():

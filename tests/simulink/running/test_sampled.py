@@ -157,6 +157,21 @@ def test_a_sum_begins_where_a_signal_says(method, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("method", "steps"), [("Forward Euler", 0), ("Backward Euler", 1), ("Trapezoidal", 1)]
+)
+def test_a_sum_over_the_time_that_passes_is_reset_too(method, steps, tmp_path):
+    rig = Rig()
+    up = rig.block("Step", "up", Time="0.5")
+    how = {"IntegratorMethod": f"Integration: {method}", "SampleTime": "-1"}
+    rig.show(rig.block("DiscreteIntegrator", "sum", rig.constant("1"), up, **how,
+                       InitialCondition="3", ExternalReset="rising"), "y")  # fmt: skip
+    run = rig.run(tmp_path, duration=1.0)
+    at = np.flatnonzero(run.time >= 0.5 - 1e-9)[0]
+    step = run.time[at] - run.time[at - 1]
+    assert shown(run, "y")[at] == pytest.approx(3.0 + steps * step, abs=1e-12)
+
+
+@pytest.mark.parametrize(
     ("how", "resets"),
     [("rising", [5]), ("falling", [8]), ("either", [5, 8]), ("sampled level", [5, 6, 7])],
 )

@@ -135,7 +135,8 @@ def _begun(w: Writer) -> Operand:
             return before
         start = w.constant(before.value, "fresh")
     if "reset" in ports:
-        begins.append(_resets(w, ports["reset"], number=4))
+        w.kept["is_reset"] = w.let(_resets(w, ports["reset"], number=4), "is_reset").code
+        begins.append(w.kept["is_reset"])
     return w.let(f"{start} if {' or '.join(begins)} else {before.code}", "sum")
 
 
@@ -182,7 +183,8 @@ def _passed(w: Writer, gain: str) -> str:
     before, at = w.remembered(0.0, number=1), w.remembered(math.inf, number=2)
     span = w.let(f"max(t - {at.code}, 0.0)", "span").code
     if w.kept["method"] == "forward":
-        return f"{gain} * {span} * {before.code}"
+        before_reset = f"0.0 if {w.kept['is_reset']} else " if "is_reset" in w.kept else ""
+        return f"{gain} * {span} * ({before_reset}{before.code})"
     u = w.numeric(0).code
     if w.kept["method"] == "trapezoidal":
         u = f"0.5 * ({before.code} + {u})"
