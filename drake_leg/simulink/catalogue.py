@@ -589,6 +589,12 @@ _ROBOTICS: dict[str, Parameters] = {
     "Coordinate Transformation Conversion": choices(
         InputRepresentation="Axis-Angle", OutputRepresentation="Homogeneous Transformation"
     ),
+    "Polynomial Trajectory": choices(
+        Method="Cubic Polynomial", WaypointSource="Internal", ParameterSource="Internal"
+    ),
+    "Trapezoidal Velocity Profile Trajectory": choices(
+        WaypointSource="Internal", ParameterSource="Internal"
+    ),
 }
 
 _CONTACT = choices(force_law="Linear", friction_law="Stick-Slip Continuous") + numbers(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.data import Cell, LackError, SpentError, Struct, boxed
 from drake_leg.simulink.matlab.frames import Frame, Values
 from drake_leg.simulink.matlab.numeric import MatlabError
+from drake_leg.simulink.matlab.validating import validated
 
 if TYPE_CHECKING:
     from drake_leg.simulink.matlab.interpreter import Interpreter
@@ -23,37 +24,80 @@ def bind(
 ) -> None:
     """Give the arguments of a call to the inputs of a function."""
     inputs = function.inputs
-    options = [entry for entry in function.arguments if entry.option]
+    entries = [entry for entry in function.arguments if not entry.output]
+    options = {(entry.name, entry.option): entry for entry in entries if entry.option}
+    records = {name for name, _ in options}
+    given: Values = []
     if inputs and inputs[-1] == "varargin":
         rest = arguments[len(inputs) - 1 :]
         frame.values["varargin"] = Cell(boxed([rest]) if rest else boxed([]))
         inputs = inputs[:-1]
-    elif options:
-        inputs = inputs[:-1]
-        frame.values[options[0].name] = Struct()
+    elif records:
+        inputs = tuple(name for name in inputs if name not in records)
+        frame.values.update({name: Struct() for name in records})
+        at = _first_option(arguments, len(inputs), options)
+        arguments, given = arguments[:at], arguments[at:]
+        frame.given = at
     elif len(arguments) > len(inputs):
         raise MatlabError(
             f"{function.name} is given {len(arguments)} values; its inputs are {len(inputs)}"
         )
     frame.values.update(zip(inputs, arguments, strict=False))
     frame.values.pop("~", None)
-    given = arguments[len(inputs) :] if options else []
-    named = {str(key): value for key, value in zip(given[::2], given[1::2], strict=False)}
-    for entry in function.arguments:
-        if entry.option and entry.option in named:
-            frame.values[entry.name][entry.option] = named[entry.option]
-        elif entry.default is not None and (entry.option or entry.name not in frame.values):
-            value = interpreter.value(entry.default, frame)
-            if entry.option:
-                frame.values[entry.name][entry.option] = value
-            else:
-                frame.values[entry.name] = value
+    named = _named_options(function.name, given, {option for _, option in options})
+    for entry in entries:
+        _bind_entry(interpreter, function.name, entry, named, frame)
 
 
-def results(function: syntax.Function, frame: Frame, wanted: int) -> Values:
+def _first_option(arguments: Values, count: int, options: Iterable[tuple[str, str]]) -> int:
+    """Count the inputs before the first option, which may leave some inputs out."""
+    names = {option for _, option in options}
+    for k, one in enumerate(arguments[:count]):
+        if isinstance(one, str) and str(one) in names and (len(arguments) - k) % 2 == 0:
+            return k
+    return min(count, len(arguments))
+
+
+def _named_options(name: str, given: Values, known: set[str]) -> dict[str, Any]:
+    keys = [str(key) for key in given[::2]]
+    for key in keys:
+        if key not in known:
+            raise MatlabError(f"{name} has no option {key[:40]!r}: give {', '.join(sorted(known))}")
+    if len(given) % 2:
+        raise MatlabError(f"the option '{keys[-1]}' of {name} has no value")
+    return dict(zip(keys, given[1::2], strict=True))
+
+
+def _bind_entry(
+    interpreter: Interpreter,
+    name: str,
+    entry: syntax.Validated,
+    named: dict[str, Any],
+    frame: Frame,
+) -> None:
+    """Give an input or an option its value or its default; an option without both stays away."""
+    if entry.option in named:
+        value = named[entry.option]
+    elif not entry.option and entry.name in frame.values:
+        value = frame.values[entry.name]
+    elif entry.default is not None:
+        value = interpreter.value(entry.default, frame)
+    elif entry.option:
+        return
+    else:
+        raise MatlabError(f"{name} needs its input '{entry.name}'")
+    validated(interpreter, entry, value, frame)
+
+
+def results(
+    interpreter: Interpreter, function: syntax.Function, frame: Frame, wanted: int
+) -> Values:
     """Take the outputs of a function from its variables."""
     outputs = list(function.outputs)
     found: Values = []
+    for entry in function.arguments:
+        if entry.output and entry.name in frame.values:
+            validated(interpreter, entry, frame.values[entry.name], frame)
     for name in outputs[: max(1, wanted)]:
         if name == "varargout" and name == outputs[-1]:
             more = frame.values.get(name)

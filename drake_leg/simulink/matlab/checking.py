@@ -7,6 +7,7 @@ from typing import Any
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.matlab import syntax
+from drake_leg.simulink.matlab.handles import METHODS
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
 from drake_leg.simulink.matlab.names import assigned, names_in
 from drake_leg.simulink.matlab.numeric import SCRIPT_LENGTH, MatlabError
@@ -99,7 +100,7 @@ def _require_supported(
 
 def means_something(name: str) -> bool:
     """Tell whether a name is that of a known function or constant, if only to be left out."""
-    tables = (KNOWN, CONSTANTS, SPECIAL, COMMANDS, NOT_RUN, QUIET)
+    tables = (KNOWN, CONSTANTS, SPECIAL, METHODS, COMMANDS, NOT_RUN, QUIET)
     return name == "coder" or any(name in table for table in tables)
 
 

@@ -77,6 +77,33 @@ class Function:
     home: Any = None  # the functions of the file in which it was written
 
 
+class Object:
+    """A value that is shared rather than copied, with properties and methods."""
+
+    kind = "handle"
+    methods: frozenset[str] = frozenset()
+
+    def property(self, name: str) -> Any:  # noqa: ANN401 - any value of a script
+        """Value of a property."""
+        raise LackError(f"a {self.kind} has no property '{name}' here", names=(name,))
+
+    def set(self, name: str, value: Any) -> None:  # noqa: ANN401
+        """Change a property."""
+        raise LackError(f"the property '{name}' of a {self.kind} cannot be set here")
+
+    def get(self, indices: list[Any]) -> Any:  # noqa: ANN401
+        """Element at indices."""
+        raise MatlabError(f"a {self.kind} is not indexed")
+
+    def put(self, indices: list[Any], value: Any) -> None:  # noqa: ANN401
+        """Set an element."""
+        raise MatlabError(f"a {self.kind} is not indexed")
+
+    def count(self) -> int:
+        """How many elements it has."""
+        return 1
+
+
 @dataclass(kw_only=True)
 class Allowance:
     """What a script may still take."""
@@ -152,6 +179,8 @@ def kind_of(value: Any) -> str:  # noqa: ANN401
         return "logical" if value.dtype == np.bool_ else "double"
     if isinstance(value, Text):
         return "string"
+    if isinstance(value, Object):
+        return value.kind
     kinds = {
         bool: "logical",
         str: "char",
@@ -171,6 +200,8 @@ def extent(value: Any) -> tuple[int, ...]:  # noqa: ANN401
         return tuple(value.items.shape)
     if isinstance(value, Text):
         return (1, 1)
+    if isinstance(value, Object):
+        return (value.count(), 1)
     if isinstance(value, str):
         return (1 if value else 0, len(value))
     return (1, 1)
@@ -180,7 +211,7 @@ def items_of(value: Any) -> NDArray[Any]:  # noqa: ANN401
     """Elements of any value as an array of two or more dimensions."""
     if isinstance(value, (Cell, Structs)):
         return value.items
-    if isinstance(value, (Struct, Function, Text)):
+    if isinstance(value, (Struct, Function, Text, Object)):
         return boxed([[value]])
     return array_of(value)
 
@@ -203,7 +234,7 @@ def like(value: Any, items: NDArray[Any]) -> Any:  # noqa: ANN401
             return items.flat[0]
         names = tuple(value) if isinstance(value, Struct) else value.names
         return Structs(np.atleast_2d(items), names)
-    if isinstance(value, (Function, Text)):
+    if isinstance(value, (Function, Text, Object)):
         return items.flat[0] if items.size == 1 else Cell(items)
     if isinstance(value, str):
         return "".join(chr(int(code)) for code in items.ravel(order="F"))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drake_leg.simulink.matlab.data import (
     Allowance,
     Cell,
+    Object,
     Struct,
     Structs,
     array_of,
@@ -66,6 +67,8 @@ def read(value: Any, indices: list[Any], budget: Allowance, name: str = "") -> A
         found = _element(value, indices)
         if found is not None:
             return found
+    if isinstance(value, Object):
+        return value.get(indices)
     items = items_of(value)
     if len(indices) == 1:
         where = places(indices[0], items.size, name)
@@ -124,7 +127,10 @@ def _shape(source: tuple[int, ...], index: Any, count: int) -> tuple[int, ...]:
 
 
 def write(old: Any, indices: list[Any], new: Any, budget: Allowance, name: str = "") -> Any:
-    """Write elements, in parentheses, into a copy; it grows as needed."""
+    """Write elements, in parentheses, into a copy that grows as needed, or into an object."""
+    if isinstance(old, Object):
+        old.put(indices, new)
+        return old
     if old is None or (isinstance(old, np.ndarray) and not old.size):
         old = old if isinstance(old, np.ndarray) and _plain(new) else _empty_like(new)
     new_items = boxed([[new]]) if _is_boxed(old, new) else items_of(new)

@@ -16,6 +16,7 @@ from drake_leg.simulink.matlab.data import (
     Cell,
     Function,
     LackError,
+    Object,
     SpentError,
     StopError,
     Struct,
@@ -25,6 +26,7 @@ from drake_leg.simulink.matlab.data import (
     items_of,
 )
 from drake_leg.simulink.matlab.frames import File, Frame, Host, Kept, Memory, Shared, Values
+from drake_leg.simulink.matlab.handles import METHODS, call_method, method_of
 from drake_leg.simulink.matlab.indexing import ALL, columns, last, read
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN, QUIET
 from drake_leg.simulink.matlab.names import assigned, called, first_of, path_of, places
@@ -351,6 +353,10 @@ class Interpreter:
             case syntax.Part(base=base, arguments=arguments, braces=braces):
                 if not braces and (name := self._packaged(base, frame)):
                     return self.call(name, self._values(arguments, frame), wanted, frame)
+                if not braces and (method := method_of(base, frame)):
+                    owner, name = method
+                    given = [owner, *self._values(arguments, frame)]
+                    return call_method(self, name, given, frame)
                 owner = self.value(base, frame)
                 if not braces:
                     return self._applied(owner, arguments, wanted, frame)
@@ -388,6 +394,10 @@ class Interpreter:
             self._require_known(name, frame)
         owner = self.value(node.base, frame)
         name = self.field_name(node, frame)
+        if isinstance(owner, Object):
+            if name in owner.methods:
+                return call_method(self, name, [owner], frame)
+            return [owner.property(name)]
         structs = list(items_of(owner).ravel(order="F")) if isinstance(owner, Structs) else [owner]
         for one in structs:
             if not isinstance(one, Struct):
@@ -420,6 +430,7 @@ class Interpreter:
             or name in KNOWN
             or name in CONSTANTS
             or name in SPECIAL
+            or name in METHODS
             or name in NOT_RUN
             or name in QUIET
             or self._own(name, frame) is not None
@@ -465,6 +476,8 @@ class Interpreter:
         """Call a function by its name."""
         if own := self._own(name, frame):
             return self._enter(*own, arguments, wanted, frame)
+        if arguments and isinstance(arguments[0], Object) and name in arguments[0].methods:
+            return call_method(self, name, arguments, frame)
         if name in SPECIAL:
             act = partial(SPECIAL[name], self, arguments, wanted, frame)
             return list(guarded(name, len(arguments), act))
@@ -517,7 +530,7 @@ class Interpreter:
         self.block(function.body, frame)
         for name in caller.shared:
             caller.values[name] = self.globals[name]
-        return results(function, frame, wanted)
+        return results(self, function, frame, wanted)
 
     def main(self, function: syntax.Function, file: File, arguments: Values, wanted: int) -> Values:
         """Call a function from outside."""

@@ -19,17 +19,22 @@ from drake_leg.simulink.matlab.data import (
     of_values,
     settled,
 )
+from drake_leg.simulink.matlab.gathering import GATHERING
 from drake_leg.simulink.matlab.inputs import of_array, of_two, scalar, whole
 from drake_leg.simulink.matlab.operators import EACH
 from drake_leg.simulink.matlab.poles import POLES
 from drake_leg.simulink.matlab.quadratic import QUADRATIC
+from drake_leg.simulink.matlab.quaternions import QUATERNIONS
 from drake_leg.simulink.matlab.records import RECORDS
+from drake_leg.simulink.matlab.robot_frames import ROBOT_FRAMES
 from drake_leg.simulink.matlab.rotations import ROTATIONS
+from drake_leg.simulink.matlab.seeking import SEEKING
 from drake_leg.simulink.matlab.state_spaces import STATE_SPACES
 from drake_leg.simulink.matlab.surroundings import SURROUNDINGS
 from drake_leg.simulink.matlab.texts import TEXTS
 from drake_leg.simulink.matlab.trajectories import TRAJECTORIES
 from drake_leg.simulink.matlab.transfers import TRANSFERS
+from drake_leg.simulink.matlab.validators import VALIDATORS
 
 # ruff: noqa: ANN401 - any value of a script
 
@@ -213,9 +218,15 @@ KNOWN: dict[str, Known] = {
     **TRAJECTORIES,
     **TRANSFERS,
     **RECORDS,
-    **{name: of_values(function) for name, function in ROTATIONS.items()},
+    **{
+        name: of_values(function)
+        for name, function in (ROTATIONS | QUATERNIONS | ROBOT_FRAMES).items()
+    },
+    **GATHERING,
     **TEXTS,
+    **SEEKING,
     **SURROUNDINGS,
+    **VALIDATORS,
 }
 
 _QUIET = (

@@ -125,33 +125,45 @@ class Parser(ExpressionParser):
         return body, tuple(inner)
 
     def _validated(self) -> tuple[syntax.Validated, ...]:
-        """Read the ``arguments`` blocks of a function: names and defaults; checks are left out."""
+        """Read the ``arguments`` blocks of a function."""
         found: list[syntax.Validated] = []
         while self.next[:2] == ("name", "arguments") and self._tokens[self._at + 1].text in "\n(":
-            while not self.sees("\n"):
-                self.take()
+            line = self.take().line
+            words = self._names(")") if self.accept("(") else ()
+            if set(words) - {"Input", "Output"}:
+                raise MatlabError(f"'arguments ({words[0]})' is not supported", line)
             self._skip_separators()
             while not self._sees_keyword("end"):
-                found.append(self._entry())
+                found.append(replace(self._entry(), output=words == ("Output",)))
                 self._skip_separators()
             self.take()
             self._skip_separators()
         return tuple(found)
 
     def _entry(self) -> syntax.Validated:
-        if self.next.kind == "command":
-            return syntax.Validated(name=self.take().text.split()[0], option="", default=None)
-        name, option = self._identifier(), ""
+        """Read an entry: a name, then what is given of size, class, checks and default."""
+        line, name, option = self.next.line, self._identifier(), ""
+        value: syntax.Expression = syntax.Name(name=name)
         if self.accept("."):
             option = self._identifier()
-        depth = 0
-        while depth or not self.sees("=", *_SEPARATORS):
-            if self.next.kind == "stop":
-                raise self.unexpected()
-            depth += self.sees("(", "{", "[") - self.sees(")", "}", "]")
-            self.take()
+            value = syntax.Field(base=value, name=option)
+        size = self._arguments(")") if self.accept("(") else ()
+        kind = self._identifier() if self.next.kind == "name" else ""
+        while kind and self.accept("."):
+            kind += f".{self._identifier()}"
+        checks = self._arguments("}") if self.accept("{") else ()
         default = self.expression() if self.accept("=") else None
-        return syntax.Validated(name=name, option=option, default=default)
+        if not (self.sees(*_SEPARATORS) or self._sees_keyword("end")):
+            raise self.unexpected("in an entry of 'arguments'")
+        return syntax.Validated(
+            line=line,
+            name=name,
+            option=option,
+            default=default,
+            size=size,
+            kind=kind,
+            checks=tuple(_checked(check, value) for check in checks),
+        )
 
     def _block(self, *ends: str) -> tuple[syntax.Statement, ...]:
         """Read statements up to a keyword that ends them; it is left standing."""
@@ -312,6 +324,15 @@ def _target(left: syntax.Expression, line: int) -> syntax.Target | syntax.Place:
         if isinstance(base, (syntax.Name, syntax.Apply)):
             return syntax.Place(name=base.name, to=left)
     raise MatlabError("the left side of an assignment must be a variable", line)
+
+
+def _checked(check: syntax.Expression, value: syntax.Expression) -> syntax.Expression:
+    """Make a check that is only named a call with the value that it checks."""
+    if isinstance(check, syntax.Name):
+        return syntax.Apply(name=check.name, arguments=(value,))
+    if isinstance(check, syntax.Field):
+        return syntax.Part(base=check, arguments=(value,))
+    return check
 
 
 def _flat(functions: tuple[syntax.Function, ...]) -> tuple[syntax.Function, ...]:

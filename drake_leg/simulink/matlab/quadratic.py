@@ -165,8 +165,8 @@ def _bound(bound: Array | None, n: int, sign: float) -> tuple[Array, Array] | No
 
 
 def _options(budget: Allowance, wanted: int, solver: Any, *pairs: Any) -> Any:
-    """``optimoptions('quadprog', name, value, ...)``, which change no minimum."""
-    if solver != "quadprog" or len(pairs) % 2:
+    """``optimoptions('quadprog', name, value, ...)``; those of `quadprog` change no minimum."""
+    if solver not in ("quadprog", "fsolve") or len(pairs) % 2:
         raise LackError(f"options of {solver if isinstance(solver, str) else 'this'} are not known")
     return Struct(zip(map(str, pairs[::2]), pairs[1::2], strict=True))
 

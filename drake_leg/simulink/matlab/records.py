@@ -11,6 +11,7 @@ from drake_leg.simulink.matlab.data import (
     Cell,
     Function,
     Known,
+    Object,
     Struct,
     Structs,
     array_of,
@@ -123,6 +124,8 @@ def _isequal(*values: Any) -> bool:
 def _alike(a: Any, b: Any) -> bool:
     if isinstance(a, Struct) and isinstance(b, Struct):
         return set(a) == set(b) and all(_alike(a[key], b[key]) for key in a)
+    if isinstance(a, Object) or isinstance(b, Object):
+        return a is b
     if isinstance(a, Function) or isinstance(b, Function):
         return a is b or (isinstance(a, Function) and isinstance(b, Function) and _same(a, b))
     if isinstance(a, (Struct, Structs, Cell)) or isinstance(b, (Struct, Structs, Cell)):

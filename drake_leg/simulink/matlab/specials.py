@@ -16,15 +16,20 @@ from drake_leg.simulink.matlab.data import (
     Function,
     LackError,
     SpentError,
-    StopError,
     Struct,
     extent,
     items_of,
     settled,
 )
+from drake_leg.simulink.matlab.differential import DIFFERENTIAL
+from drake_leg.simulink.matlab.faults import FAULTS
+from drake_leg.simulink.matlab.gathering import GATHERING_BY_FUNCTIONS
+from drake_leg.simulink.matlab.handles import HANDLES
 from drake_leg.simulink.matlab.library import KNOWN, NOT_RUN
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.reading import READERS
+from drake_leg.simulink.matlab.searching import SEARCHING
+from drake_leg.simulink.matlab.validators import VALIDATORS_OF_CALLS
 
 if TYPE_CHECKING:
     from drake_leg.simulink.matlab.frames import Frame, MaskedBlock, Values
@@ -45,6 +50,12 @@ def _exist(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> V
     if kind in ("file", "dir"):
         return [(7.0 if kind == "dir" else 2.0) if self.host.has_file(name) else 0.0]
     return [2.0 if self.knows(name, frame) or self.host.has_file(name) else 0.0]
+
+
+def _which(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    """``which``: the name of a file that is there, else an empty text."""
+    name = str(arguments[0])
+    return [f"./{name}" if self.host.has_file(name) else ""]
 
 
 def _is_file(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
@@ -102,25 +113,6 @@ def _folded(values: Values, shape: tuple[int, ...]) -> Any:
     for k, value in enumerate(values):
         items[k] = value
     return items.reshape(shape, order="F")
-
-
-def _assert(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
-    if not operators.truth(arguments[0]):
-        said = str(arguments[1]) if len(arguments) > 1 else "an assertion"
-        raise StopError(f"it stops with the error {said!r:.80}")
-    return []
-
-
-def _error(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
-    """``error``: an identifier where more follows, and a text with its numbers put in."""
-    identifier = ""
-    if len(arguments) > 1 and re.fullmatch(r"[\w-]+(:[\w-]+)+", str(arguments[0])):
-        identifier, *arguments = arguments
-    if not (arguments and isinstance(arguments[0], str)):
-        raise StopError("it stops with an error", identifier=identifier)
-    plain = len(arguments) == 1 and not identifier  # a text alone is not a format
-    said = str(arguments[0] if plain else KNOWN["sprintf"](self.budget, 1, *arguments))
-    raise StopError(f"it stops with the error {said!r:.80}", said=said, identifier=identifier)
 
 
 def _load(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
@@ -268,6 +260,7 @@ SPECIAL: Mapping[str, Special] = {
     "nargin": lambda self, arguments, wanted, frame: [float(frame.given)],
     "nargout": lambda self, arguments, wanted, frame: [float(frame.wanted)],
     "exist": _exist,
+    "which": _which,
     "isfile": _is_file,
     "isfolder": _is_file,
     "isdir": _is_file,
@@ -279,8 +272,6 @@ SPECIAL: Mapping[str, Special] = {
     "arrayfun": _each,
     "cellfun": _each,
     "structfun": _structfun,
-    "assert": _assert,
-    "error": _error,
     "load": _load,
     "fprintf": _print,
     "mfilename": _file_name,
@@ -288,6 +279,12 @@ SPECIAL: Mapping[str, Special] = {
     "genpath": lambda self, arguments, wanted, frame: [str(arguments[0])],
     "assignin": _assign_in,
     **READERS,
+    **FAULTS,
+    **HANDLES,
+    **DIFFERENTIAL,
+    **GATHERING_BY_FUNCTIONS,
+    **SEARCHING,
+    **VALIDATORS_OF_CALLS,
     # No time passes while a script runs, and it has no pictures.
     "tic": lambda self, arguments, wanted, frame: [0.0] if wanted else [],
     "toc": lambda self, arguments, wanted, frame: [0.0] if wanted else [],

@@ -59,6 +59,7 @@ _LOOSE = re.compile(r"[ \t\f\v\n]|\.\.\.|$")  # after a sign that joins two oper
 _TEXTS = {"'": re.compile(r"'((?:[^'\n]|'')*)'"), '"': re.compile(r'"((?:[^"\n]|"")*)"')}
 _OPENING = {")": "(", "]": "[", "}": "{"}
 _COMMAND = re.compile(r"(?P<name>[A-Za-z]\w*)[ \t]+(?P<rest>[^\n=;,%(][^\n;,%]*)", re.ASCII)
+_BLOCK = re.compile(r"[ \t]*(\([ \w,]*\))?[ \t]*(%[^\n]*)?\n")  # after ``arguments``
 _SHELL = re.compile(r"!(?P<rest>[^\n]*)")
 
 
@@ -98,6 +99,7 @@ class _Scanner:
         self._open: list[Token] = []  # brackets
         self._gap = False  # whether spaces came before the next token
         self._heads: set[int] = set()  # tokens that close the parameters of @(...)
+        self._declares = False  # inside an ``arguments`` block, which has no commands
 
     def scan(self) -> list[Token]:
         while self._at < len(self._text):
@@ -141,6 +143,10 @@ class _Scanner:
             self._line += 1
             return
         token = Token(kind, text, self._line)
+        if token[:2] == ("name", "arguments") and self._begins_statement():
+            self._declares = bool(_BLOCK.match(self._text, self._at))
+        elif kind == "keyword":
+            self._declares = False
         self._found.append(token)
         if kind == "symbol":
             self._count(token)
@@ -160,7 +166,7 @@ class _Scanner:
 
     def _command(self) -> re.Match[str] | None:
         """Match a statement that is a word and text, such as ``hold on``, if one begins here."""
-        if self._open or not self._begins_statement():
+        if self._open or self._declares or not self._begins_statement():
             return None
         if shell := _SHELL.match(self._text, self._at):
             return shell
@@ -459,11 +465,16 @@ Statement = Assign | Evaluate | If | For | While | Jump | Switch | Try | Declare
 
 @dataclass(frozen=True, kw_only=True)
 class Validated:
-    """An entry of an ``arguments`` block: an input, or a named option of it."""
+    """An entry of an ``arguments`` block: an input or an output, or a named option."""
 
+    line: int
     name: str
     option: str  # "" for an input by its place
     default: Expression | None
+    size: tuple[Expression, ...] = ()  # a colon for any length
+    kind: str = ""  # the class
+    checks: tuple[Expression, ...] = ()  # calls of functions that refuse a wrong value
+    output: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

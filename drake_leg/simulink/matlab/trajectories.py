@@ -1,4 +1,4 @@
-"""Polynomial motions through way points of MATLAB's Robotics System Toolbox."""
+"""Motions through way points of MATLAB's Robotics System Toolbox."""
 
 from __future__ import annotations
 
@@ -8,8 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_leg.simulink.matlab.data import Allowance, Known, LackError, numbers_of, settled
-from drake_leg.simulink.matlab.inputs import matrix
+from drake_leg.simulink.matlab.inputs import matrix, whole
 from drake_leg.simulink.matlab.numeric import MatlabError, measure
+from drake_leg.simulink.motions import (
+    PROFILE,
+    polynomial_motion,
+    polynomial_pieces,
+    spline_pieces,
+    trapezoidal_motion,
+    trapezoidal_pieces,
+)
 
 # ruff: noqa: ANN401 - any value of a script
 Array = NDArray[np.float64]
@@ -37,7 +45,7 @@ def _polynomial(name: str, order: int) -> Known:
             )
         budget.room(3.0 * len(way) * t.size)
         derivatives = np.stack([way, *_given(name, options, way, order)])
-        return tuple(map(settled, _evaluated(at, derivatives, t)))
+        return tuple(map(settled, polynomial_motion(polynomial_pieces(at, derivatives), t)))
 
     return trajectory
 
@@ -56,17 +64,41 @@ def _given(name: str, options: tuple[Any, ...], way: Array, order: int) -> list[
     return list(conditions.values())
 
 
-def _evaluated(at: Array, derivatives: Array, t: Array) -> list[Array]:
-    from scipy.interpolate import BPoly  # takes a while to load, and few scripts need it
+def _spline(
+    budget: Allowance, wanted: int, points: Any, interval: Any, samples: Any, *options: Any
+) -> Any:
+    """``bsplinepolytraj``: a cubic B-spline of control points."""
+    if wanted > 3 or options:
+        raise LackError("'bsplinepolytraj' puts out a motion here, without options")
+    way, ends, t = matrix(points), numbers_of(interval).ravel(), numbers_of(samples).ravel()
+    if way.shape[1] < 4 or ends.size != 2 or ends[1] <= ends[0]:
+        raise MatlabError("'bsplinepolytraj' takes four control points or more and two times")
+    budget.room(3.0 * len(way) * t.size)
+    return tuple(map(settled, polynomial_motion(spline_pieces(way, ends), t)))
 
-    curve = BPoly.from_derivatives(at, np.moveaxis(derivatives, -1, 0))
-    inside = np.clip(t, at[0], at[-1])
-    rests = (t < at[0]) | (t > at[-1])
-    found = [curve.derivative(k)(inside).T if k else curve(inside).T for k in range(3)]
-    return [found[0], *(np.where(rests, 0.0, each) for each in found[1:])]
+
+def _trapezoids(budget: Allowance, wanted: int, points: Any, samples: Any, *options: Any) -> Any:
+    """``trapveltraj``: positions, velocities, accelerations and times of equal spacing."""
+    if wanted > 4:
+        raise LackError("the pieces that 'trapveltraj' puts out are not known here")
+    way, count = matrix(points), whole(samples)
+    given: dict[str, Array] = {}
+    for key, value in zip(options[::2], options[1::2], strict=False):
+        if str(key) not in PROFILE:
+            raise LackError(f"the option {str(key)[:40]!r} of 'trapveltraj' is not known here")
+        given[str(key)] = numbers_of(value)
+    budget.room(3.0 * len(way) * max(count, 1))
+    try:
+        pieces = trapezoidal_pieces(way, given)
+    except ValueError as error:
+        raise MatlabError(f"'trapveltraj': {error}") from None
+    t = np.linspace(0.0, float(pieces[0][:, -1].max()), count)
+    return (*map(settled, trapezoidal_motion(pieces, t)), settled(t.reshape(1, -1)))
 
 
 TRAJECTORIES: dict[str, Known] = {
+    "bsplinepolytraj": _spline,
     "cubicpolytraj": _polynomial("cubicpolytraj", 1),
     "quinticpolytraj": _polynomial("quinticpolytraj", 2),
+    "trapveltraj": _trapezoids,
 }

@@ -23,6 +23,7 @@ from drake_leg.simulink.matlab.data import (
 )
 from drake_leg.simulink.matlab.folders import SCRIPTS, Folders, parsed, text_of
 from drake_leg.simulink.matlab.frames import Drawing, File, Frame, MaskedBlock, Values
+from drake_leg.simulink.matlab.handles import METHODS
 from drake_leg.simulink.matlab.interpreter import Interpreter
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN
 from drake_leg.simulink.matlab.matfiles import read_mat
@@ -268,7 +269,7 @@ class Workspace:
         return f"'{names[0]}' is not a known function or constant{because}"
 
     def _has(self, name: str, values: Mapping[str, Any]) -> bool:
-        tables = (values, KNOWN, CONSTANTS, SPECIAL, NOT_RUN)
+        tables = (values, KNOWN, CONSTANTS, SPECIAL, METHODS, NOT_RUN)
         return any(name in table for table in tables) or self._function(name, None) is not None
 
     def load(self, path: Path) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drake_leg.simulink.matlab import syntax
-from drake_leg.simulink.matlab.data import Allowance, Cell, SpentError, Struct, boxed
+from drake_leg.simulink.matlab.data import Allowance, Cell, Object, SpentError, Struct, boxed
 from drake_leg.simulink.matlab.indexing import read, removed, write
 from drake_leg.simulink.matlab.numeric import MatlabError
 
@@ -109,6 +109,10 @@ def put(
     step, rest = steps[0], steps[1:]
     nothing = old is None or (isinstance(old, np.ndarray) and not old.size)
     if isinstance(step, str):
+        if isinstance(old, Object):
+            inner = old.property(step) if rest else None
+            old.set(step, put(inner, rest, value, budget, remove=remove))
+            return old
         if nothing:
             old = Struct()
         if not isinstance(old, Struct):

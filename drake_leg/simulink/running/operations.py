@@ -12,6 +12,13 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from drake_leg.simulink.matlab.compiling.small_matrices import inv_3
+from drake_leg.simulink.running.moving import (  # noqa: F401 - names of the code
+    on_polynomial,
+    on_spline,
+    on_trapezoids,
+    polynomial_at,
+    trapezoids_at,
+)
 from drake_leg.simulink.running.network_laws import (  # noqa: F401 - names of the code
     battery_voltage,
     diode,

@@ -229,3 +229,22 @@ def test_a_script_that_would_lack_what_acts_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("drake_leg.simulink.running.ported.mechanism_dynamics", lacking)
     with pytest.raises(InvalidValueError, match="without Spatial Contact Force"):
         both(pendulum(), tmp_path, 0.1)
+
+
+def test_motions_through_way_points(tmp_path):
+    rig = Rig()
+    clock = rig.block("Clock", "clock")
+    for kind, settings in (
+        ("Trapezoidal Velocity Profile Trajectory", {"Waypoints": "[0 1 0; 2 3 5]"}),
+        ("Trapezoidal Velocity Profile Trajectory", {"WaypointSource": "External"}),
+        ("Polynomial Trajectory", {}),
+    ):
+        external = "WaypointSource" in settings
+        name = f"{kind} {external}"
+        ports = {"in": 1 + external, "out": 3}
+        path = rig.add_library(f"robotcorelib/{kind}", name, settings, ports=ports)
+        rig.connect(clock, f"{path}#in:1")
+        if external:
+            rig.connect(rig.constant("[0 2; 1 0]"), f"{path}#in:2")
+        rig.show(f"{path}#out:1", name)
+    require_same(*both(rig, tmp_path, 3.0)[:2])

@@ -97,6 +97,7 @@ def kinds_of_blocks() -> dict[str, Kind]:
         sinks,
         sources,
         tables,
+        way_points,
     )
 
     return KINDS
