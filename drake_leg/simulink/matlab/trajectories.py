@@ -82,6 +82,8 @@ def _trapezoids(budget: Allowance, wanted: int, points: Any, samples: Any, *opti
     if wanted > 4:
         raise LackError("the pieces that 'trapveltraj' puts out are not known here")
     way, count = matrix(points), whole(samples)
+    if len(options) % 2:
+        raise MatlabError("the options of 'trapveltraj' are pairs of names and values")
     given: dict[str, Array] = {}
     for key, value in zip(options[::2], options[1::2], strict=False):
         if str(key) not in PROFILE:
