@@ -6,11 +6,12 @@ import argparse
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from itertools import pairwise
 from typing import Any, NoReturn
 
+from drake_leg.arguments import printable
 from drake_leg.cli.terminal import BAD_INPUT, FAILED, STOPPED_EARLY, fail, place_given_by
 from drake_leg.errors import (
     DrakeLegError,
@@ -124,7 +125,7 @@ class _Parser(argparse.ArgumentParser):
         example = EXAMPLES.get(self.prog.rpartition(" ")[2])
         if example and (option or lacking):
             message += f"{',' if option else ':'} as in drake-leg {example}"
-        self.exit(BAD_INPUT, f"{self.prog}: {message}\n")
+        self.exit(BAD_INPUT, f"{self.prog}: {printable(message)}\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -189,6 +190,15 @@ def _join_negative_values(words: Sequence[str]) -> list[str]:
     return joined
 
 
+def _writing(options: Mapping[str, argparse.Action]) -> list[str]:
+    """Name the options that write one file."""
+    return [
+        f"{option} {action.metavar}"
+        for option, action in options.items()
+        if str(action.metavar).startswith("FILE.")
+    ]
+
+
 def _unrecognized(
     parser: argparse.ArgumentParser, unknown: Sequence[str], words: Sequence[str], name: str | None
 ) -> str:
@@ -202,10 +212,13 @@ def _unrecognized(
         return f"{sentence}: put commas without spaces between numbers, as in {spaced[1]}={numbers}"
     for word in unknown:
         option = word.partition("=")[0]
-        if option.startswith("--"):
-            question = did_you_mean(option, known)
-            return f"{sentence}: {question}" if question else sentence
-    return sentence
+        if option == "--out" and (writing := _writing(known)):
+            return f"{sentence}: a file is written by {' or '.join(writing)}"
+        is_guessed = option.startswith("--") and option != "--out"
+        if is_guessed and (question := did_you_mean(option, known)):
+            return f"{sentence}: {question}"
+    command = f"drake-leg {name}" if name else "drake-leg"
+    return f"{sentence}: {command} --help lists what it takes"
 
 
 def _build_parser(only: str | None = None) -> argparse.ArgumentParser:

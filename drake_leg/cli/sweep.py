@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from drake_leg.arguments import counted
 from drake_leg.cli.inputs import add_numbers, named_or_robot, settings_of
 from drake_leg.cli.run_options import add_run_options, options_of
 from drake_leg.cli.terminal import (
@@ -124,7 +125,7 @@ def _sweep(chosen: argparse.Namespace) -> int:
             INTERRUPTED,
         )
     counts = ", ".join(f"{count} {status}" for status, count in result.counts.items())
-    print(f"wrote {chosen.out}: {len(result)} runs ({counts})")
+    print(f"wrote {chosen.out}: {counted(len(result), 'run')} ({counts})")
     pictures = Pictures()
     with at_work(chosen.name, "pictures"), pictures.trying("the page"):
         result.write_pictures(chosen.plot, over=over, fronts=fronts)

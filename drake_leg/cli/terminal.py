@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from drake_leg.arguments import printable
 from drake_leg.errors import DrakeLegError, InvalidValueError, PictureError, PlaceError
 from drake_leg.progress import BUDGET, ProgressBar
 from drake_leg.units import require_positive
@@ -72,7 +73,8 @@ def fail(error: object, status: int) -> int:
 
 def remark(sentence: object) -> None:
     """Print a sentence on the standard error, with settings as options."""
-    print(f"drake-leg: {as_options(sentence)}", file=sys.stderr)
+    lines = map(printable, as_options(sentence).split("\n"))
+    print("drake-leg: " + "\n".join(lines), file=sys.stderr)
 
 
 def refuse_ignored(options: Mapping[str, bool], why: str) -> None:

@@ -45,7 +45,8 @@ def test_an_option_is_written_in_full(capsys, words, meant):
 
 
 def test_what_is_like_no_option_is_not_guessed(capsys):
-    assert refused(capsys, "run", "leg-b", "--out", "x", "--colour", "red").endswith("red\n")
+    said = refused(capsys, "run", "leg-b", "--out", "x", "--colour", "red")
+    assert "red: drake-leg run --help" in said
 
 
 @pytest.mark.parametrize(
@@ -62,6 +63,27 @@ def test_numbers_are_written_with_commas(capsys, words, written):
     assert f"put commas without spaces between numbers, as in {written}\n" in refused(
         capsys, *words.split()
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run leg-b extra --out x", "extra: drake-leg run --help lists what it takes\n"),
+        ("--zzz", "--zzz: drake-leg --help lists what it takes\n"),
+        ("view leg-b --out x.png", "--out x.png: a file is written by --still FILE.png\n"),
+        ("teleop leg-b --out x", "--out x: drake-leg teleop --help lists what it takes\n"),
+        ("run leg-b --out x --z\x1b[31m", r"--z\x1b[31m: drake-leg run"),
+    ],
+)
+def test_what_a_command_does_not_take_is_told_with_a_way_on(capsys, words, said):
+    assert said in refused(capsys, *words.split())
+
+
+def test_a_name_cannot_speak_to_the_terminal(capsys):
+    assert main(["run", "\x1b[31m.slx", "--out", "x"]) == 2
+    err = capsys.readouterr().err
+    assert r"\x1b[31m.slx" in err
+    assert err.replace("\n", "").isprintable()
 
 
 def test_a_single_number_gets_no_commas(capsys):
