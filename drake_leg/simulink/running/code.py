@@ -241,9 +241,11 @@ class Writer:
         self.settings = Settings(node.block)
         self.kept: dict[str, Any] = {}  # from the outputs to what comes after them
         self.period: float | None = None  # [s], of a block that is sampled
+        self.rate_of_inputs = CONTINUOUS  # how often what comes in may change
         self.restart = ""  # condition on which it starts again as at first
         self._lines: list[str] = []
         self._memories: list[str] = []
+        self._memories_of_inputs: list[str] = []
         self._restarts: list[str] = []
 
     # --- inputs ---
@@ -425,13 +427,14 @@ class Writer:
             self.write(f"{name} = {state.derivative} if {held} else {zero}")
             state.derivative = name
 
-    def remember(self, code: str, number: int = 0) -> None:
-        """Write what is remembered, and read from the next time on."""
+    def remember(self, code: str, number: int = 0, *, of_inputs: bool = False) -> None:
+        """Write what is remembered, and read from the next time on; or when inputs may change."""
         slot = self.kept[f"slot {number}"]
         value, start = eval(code, self.pen.scope), self.pen.slots[slot]
         if isinstance(start, float | np.ndarray) and shape_of(value) != shape_of(start):
             self.pen.wanted[f"{self.node.sid}.m{number}"] = shape_of(value)
-        self._memories.append(f"m[{slot}] = {code}")
+        lines = self._memories_of_inputs if of_inputs else self._memories
+        lines.append(f"m[{slot}] = {code}")
 
     def set_state(self, condition: str, code: str, number: int = 0) -> None:
         """Set a state at major steps where a condition holds."""
@@ -471,8 +474,10 @@ class Writer:
         """Close what was written after all outputs: derivatives, and what is remembered."""
         self.flush_always()
         self._close(CONTINUOUS, self._restarts, after=True, gated=False)  # at any event
+        sampled = self.rate_of_inputs if self.rate_of_inputs != CONTINUOUS else rate
+        self._close(sampled, self._memories_of_inputs, after=True)
         self._close(rate, self._memories, after=True)
-        self._restarts, self._memories = [], []
+        self._restarts, self._memories, self._memories_of_inputs = [], [], []
 
     def _close(self, rate: int, lines: list[str], *, after: bool, gated: bool = True) -> None:
         if lines:

@@ -264,6 +264,7 @@ class _Pass:
         gates = tuple(self._gate_of[gate] for gate in node.gates if gate in self._gate_of)
         writer = Writer(self.pen, node, self._rates.of(sid), gates)
         writer.period = self._rates.period(sid)
+        writer.rate_of_inputs = self._rates.of_inputs(sid)
         restarts = [self._restarts[gate] for gate in node.gates if gate in self._restarts]
         writer.restart = " or ".join(restarts)
         runs = self._attempted(writer, require_usual) and self._attempted(writer, kind.write)

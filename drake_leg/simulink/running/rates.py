@@ -46,6 +46,11 @@ class Rates:
             return MAJOR
         return self.periods.index(rate) if 0.0 < rate[0] < NEVER else CONTINUOUS
 
+    def of_inputs(self, sid: str) -> int:
+        """Return the index of the rate at which a block's inputs change, or CONTINUOUS."""
+        rate = self._inherited(self._nodes[sid][0]) or ALWAYS
+        return self.periods.index(rate) if rate in self.periods else CONTINUOUS
+
     def period(self, sid: str) -> float | None:
         """Return the sample time [s] of a block, None where it is continuous."""
         rate = self._found[sid] or ALWAYS

@@ -164,6 +164,17 @@ def test_a_signal_that_rests_at_zero_triggers_where_it_comes_and_where_it_goes(t
     assert found[run.time > 0.301] == pytest.approx(0.3, abs=1e-9)
 
 
+@pytest.mark.parametrize("stairs", ["[-1 0 1 1]", "[-1 0 1 0 1 1]"])
+def test_a_sampled_signal_that_goes_on_past_zero_triggers_once(stairs, tmp_path):
+    """It is at zero for several major steps, but only for one sample."""
+    rig = Rig()
+    name = "simulink/Sources/Repeating Sequence Stair"
+    triggered(rig, rig.block(name, "stairs", OutValues=stairs, tsamp="0.1"), "rising")
+    rig.show(rig.block("Integrator", "x", rig.block("Clock", "clock")), "x")
+    run = rig.run(tmp_path, 0.39)
+    assert shown(run, "by rising")[run.time > 0.11] == pytest.approx(0.1, abs=1e-9)
+
+
 @pytest.mark.parametrize("integrates", [True, False])
 def test_a_stop_that_is_on_ends_the_run_at_its_start(integrates, tmp_path):
     rig = Rig()

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from rigs import Rig
+from rigs import Rig, shown
 from scipy.spatial.transform import Rotation
 
 from drake_leg.errors import InvalidValueError
@@ -349,9 +349,50 @@ def test_a_table_over_time_that_repeats_is_refused(tmp_path):
                        OutputAfterFinalValue="Cyclic repetition"), "y")  # fmt: skip
     with pytest.raises(
         InvalidValueError,
-        match="'Cyclic repetition', which does not run: make it 'Extrapolation' with",
+        match="repeats its data, which takes a structure without times, and no interpolation",
     ):
         rig.values(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("end", "after"), [("Cyclic repetition", [2, 5]), ("Holding final value", [7, 7])]
+)
+def test_a_structure_without_times_has_its_block_s_samples(end, after, tmp_path):
+    rig = Rig()
+    rig.show(rig.block("FromWorkspace", "from", SampleTime="0.1", Interpolate="off",
+                       VariableName="struct('time', [], 'signals', struct('values', [2;5;7]))",
+                       OutputAfterFinalValue=end), "y")  # fmt: skip
+    run = rig.run(tmp_path, 0.5)
+    found = shown(run, "y")[np.searchsorted(run.time, np.arange(5) / 10 + 0.05)]
+    assert found.ravel().tolist() == [2, 5, 7, *after]
+
+
+@pytest.mark.parametrize(
+    ("given", "reason"),
+    [
+        ("[0 1; 2 3; 1 4]", "reads times that fall from 2 to 1: sort them"),
+        ("struct('signals', struct('values', [1;2]))", "which needs a sample time"),
+        ("struct('time', [0;1], 'signals', {struct('values', 1)})", "reads 2 times and 1 rows"),
+    ],
+)
+def test_tables_over_time_that_are_none_are_refused(given, reason, tmp_path):
+    rig = Rig()
+    rig.show(rig.block("FromWorkspace", "from", VariableName=given), "y")
+    with pytest.raises(InvalidValueError, match=reason):
+        rig.values(tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["RandomNumber", "UniformRandomNumber"])
+def test_random_numbers_without_a_sample_time_stay_for_a_step(kind, tmp_path):
+    """What integrates them sees one number in each step."""
+    rig = Rig()
+    noise = rig.block(kind, "noise", SampleTime="0")
+    rig.show(noise, "noise")
+    rig.show(rig.block("Integrator", "x", noise), "x")
+    run = rig.run(tmp_path, 0.05, accuracy=1e-6)
+    x, drawn = (shown(run, name).ravel() for name in ("x", "noise"))
+    np.testing.assert_allclose(np.diff(x), np.diff(run.time) * drawn[:-1], atol=1e-15)
+    assert np.unique(drawn).size > 100
 
 
 def test_an_integral_without_gain_stays_where_it_starts(tmp_path):

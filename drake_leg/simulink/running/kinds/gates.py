@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from drake_leg.simulink.matlab.data import Cell, numbers_of
-from drake_leg.simulink.running.code import Operand, Writer
+from drake_leg.simulink.running.code import CONTINUOUS, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.routing import joined_bus, parts_of
 from drake_leg.simulink.running.settings import zero_like
@@ -48,17 +48,25 @@ def action(w: Writer) -> None:
 def _trigger_after(w: Writer) -> None:
     u, before = w.numeric(), w.kept["before"]
     w.remember(u.code)
-    if u.is_scalar:
-        w.remember(f"-sign({before}) if {u.code} == 0.0 else 0.0", number=1)
-    else:
-        w.remember(f"np.where({u.code} == 0.0, -np.sign({before}), 0.0)", number=1)
+    sign, where = (
+        ("sign", "-{0} if {1} else 0.0") if u.is_scalar else ("np.sign", "np.where({1}, -{0}, 0.0)")
+    )
+    code = where.format(f"{sign}({before})", f"{u.code} == 0.0")
+    if "fresh" not in w.kept:
+        w.remember(code, number=1)
+        return
+    fresh, came = w.kept["fresh"], w.kept["came"]
+    w.remember("1.0", number=2, of_inputs=True)
+    w.remember(f"({code}) if {fresh} else {came}", number=1)
+    w.remember("0.0", number=2)
 
 
 @kind("TriggerPort", major=True, finish=_trigger_after, sample_time="")
 def trigger(w: Writer) -> None:
     """Let a subsystem run once at an edge of a signal.
 
-    It comes to zero, or goes past it, or leaves it; once if it does so at consecutive major steps.
+    It comes to zero, or goes past it, or leaves it; once if it does so at consecutive major steps,
+    or samples where it is sampled.
     """
     how = w.settings.text("TriggerType", "rising")
     if how not in ("rising", "falling", "either"):
@@ -66,6 +74,9 @@ def trigger(w: Writer) -> None:
     u = w.numeric()
     w.kept["before"] = a = w.remembered(u.value).code
     came = w.remembered(zero_like(u.value), number=1).code  # 1 upwards, -1 downwards
+    if w.rate_of_inputs != CONTINUOUS:
+        w.kept["came"] = came
+        w.kept["fresh"] = w.remembered(1.0, number=2).code  # whether a sample has come since
     w.pen.edges.append(u.code)
     b = u.code
     rising = f"({a} < 0.0) & ({b} >= 0.0) | ({a} == 0.0) & ({b} > 0.0) & ({came} <= 0.0)"

@@ -49,7 +49,12 @@ USUAL: Mapping[str, Usual] = {
     "TransportDelay": {"TransDelayFeedthrough": ("off",)},
     "VariableTransportDelay": {"VariableDelayType": ("Variable time delay",)},
     "FromWorkspace": {
-        "OutputAfterFinalValue": ("Extrapolation", "Setting to zero", "Holding final value"),
+        "OutputAfterFinalValue": (
+            "Extrapolation",
+            "Setting to zero",
+            "Holding final value",
+            "Cyclic repetition",
+        ),
     },
     "Lookup_n-D": _TABLE,
     "Merge": {"AllowUnequalInputPortWidths": ("off",)},

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from drake_leg.simulink.matlab.data import LackError
+from drake_leg.simulink.matlab.data import LackError, Struct, array_of
 from drake_leg.simulink.matlab.scenarios import scenario
 from drake_leg.simulink.running.code import Writer, literal
 from drake_leg.simulink.running.kinds import kind
@@ -259,7 +259,7 @@ def chirp(w: Writer) -> None:
     w.out(f"sin({literal(2 * np.pi)} * ({literal(f1)} + {literal(rate / 2)} * t) * t)")
 
 
-@kind("RandomNumber", "UniformRandomNumber", sample_time="SampleTime")
+@kind("RandomNumber", "UniformRandomNumber", stepwise=True)
 def random(w: Writer) -> None:
     """Put out random numbers, the same in every run; they are not MATLAB's."""
     seed = int(w.settings.numbers("Seed", "0")[0])
@@ -315,16 +315,43 @@ def _rules(w: Writer, interpolates: str, usual_end: str) -> tuple[str, str]:
     """Return how values go on between the times of a table, and after the last."""
     between = "lines" if w.settings.text("Interpolate", interpolates) == "on" else "steps"
     end = w.settings.text("OutputAfterFinalValue", usual_end)
-    return between, {"Setting to zero": "zero", "Holding final value": "hold"}.get(end, between)
+    ends = {
+        "Setting to zero": "zero", "Holding final value": "hold", "Cyclic repetition": "again",
+    }  # fmt: skip
+    return between, ends.get(end, between)
 
 
 def _table_over_time(w: Writer, given: object, between: str, after: str) -> str:
     times, values, shape = workspace_table(w, given)
+    if after == "again":
+        return _repeated(w, given, (times, values, shape), between)
     if after != between:
         w.pen.breaks.add(float(times[-1]))
     table = f"{w.constant(times, 'times')}, {w.constant(values, 'values')}"
     found = f"over_time(t, {table}, '{between}', '{after}')"
     return f"{found}.reshape({shape}, order='F')" if len(shape) == 2 else found
+
+
+def _repeated(
+    w: Writer, given: object, table: tuple[np.ndarray, np.ndarray, tuple[int, ...]], between: str
+) -> str:
+    """Begin again after the last sample, as Simulink does with a structure without times."""
+    times, values, shape = table
+    if not (isinstance(given, Struct) and _without_times(given)) or between == "lines":
+        raise w.fault(
+            "repeats its data, which takes a structure without times, and no interpolation: make "
+            "it hold its final value with `parameter`"
+        )
+    rows = w.constant(values, "values")
+    period = literal(w.period or 1.0)
+    found = f"{rows}[int(rounded((t - {literal(times[0])}) / {period})) % {len(times)}]"
+    if len(shape) == 2:
+        return f"{found}.reshape({shape}, order='F')"
+    return f"float({found}[0])" if values.shape[1] == 1 else found
+
+
+def _without_times(given: Struct) -> bool:
+    return "signals" in given and not np.size(given.get("time", ()))
 
 
 @kind("Signal Editor")
@@ -354,14 +381,16 @@ def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray, t
 
     Those of a matrix over time, whose last dimension is the time, are by columns.
     """
-    from drake_leg.simulink.matlab.data import Struct, array_of
-
     if isinstance(given, Struct) and "Time" in given and "Data" in given:
         times = np.asarray(array_of(given["Time"]), dtype=float).ravel()
         values = np.asarray(array_of(given["Data"]), dtype=float)
-    elif isinstance(given, Struct) and "time" in given and "signals" in given:
-        times = np.asarray(array_of(given["time"]), dtype=float).ravel()
-        values = np.asarray(array_of(given["signals"]["values"]), dtype=float)
+    elif isinstance(given, Struct) and isinstance(given.get("signals"), Struct):
+        values = np.asarray(array_of(given["signals"].get("values", 0.0)), dtype=float)
+        times = np.asarray(array_of(given.get("time", np.zeros(0))), dtype=float).ravel()
+        if _without_times(given):
+            if not w.period:
+                raise w.fault("reads a structure without times, which needs a sample time")
+            times = w.period * np.arange(values.shape[-1 if values.ndim == 3 else 0])
     elif isinstance(given, np.ndarray) and given.ndim == 2 and given.shape[1] > 1:
         times, values = np.asarray(given[:, 0], dtype=float), np.asarray(given[:, 1:], dtype=float)
     else:
@@ -374,6 +403,9 @@ def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray, t
         values = values.reshape(-1, values.shape[-1], order="F").T
     if values.shape[0] != len(times) or not len(times):
         raise w.fault(f"reads {len(times)} times and {values.shape[0]} rows of values")
+    if np.any(np.diff(times) < 0.0):
+        k = int(np.argmax(np.diff(times) < 0.0))
+        raise w.fault(f"reads times that fall from {times[k]:g} to {times[k + 1]:g}: sort them")
     return times, values, tuple(int(each) for each in shape if each > 1 or 1 not in shape)
 
 
