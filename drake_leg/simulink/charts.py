@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
@@ -16,6 +16,7 @@ class _Chart:
     script: str
     parameters: tuple[str, ...]  # names of its data that are parameters of the block
     is_function: bool  # a whole MATLAB function, not a state machine with functions inside
+    element: Element
 
 
 class Charts:
@@ -38,6 +39,12 @@ class Charts:
         """Return the arguments of a MATLAB Function block's code that are no inputs."""
         fits = _fitting(path, name, tag, [chart for chart in self._charts if chart.script])
         return fits[0].parameters if fits else ()
+
+    def machine(self, path: str, name: str, tag: str) -> Element | None:
+        """Return the state machine of a block; None where the file has none, or several."""
+        machines = [chart for chart in self._charts if not chart.is_function]
+        fits = _fitting(path, name, tag, machines, lambda chart: chart.element)
+        return fits[0].element if fits else None
 
 
 def _charts(roots: list[Element]) -> list[_Chart]:
@@ -66,6 +73,7 @@ def _charts(roots: list[Element]) -> list[_Chart]:
                         for data in chart.iter("data")
                         if parameters(data).get("scope") == "PARAMETER_DATA"
                     ),
+                    element=chart,
                     is_function=bool(script) and _is_function(chart, texts.get("type")),
                 )
             )
@@ -76,7 +84,13 @@ def _is_function(chart: Element, kind: str | None) -> bool:
     return chart.find("eml") is not None if kind is None else kind == "EML_CHART"
 
 
-def _fitting(path: str, name: str, tag: str, charts: list[_Chart]) -> list[_Chart]:
+def _fitting(
+    path: str,
+    name: str,
+    tag: str,
+    charts: list[_Chart],
+    content: Callable[[_Chart], Hashable] = lambda chart: chart.script,
+) -> list[_Chart]:
     """Choose a block's chart: by its path, by the number that its machinery names, by its name."""
     path, name = plain_name(path), plain_name(name.replace("/", "//"))
     number = tag.rpartition(" ")[2]
@@ -86,6 +100,6 @@ def _fitting(path: str, name: str, tag: str, charts: list[_Chart]) -> list[_Char
         [chart for chart in charts if any(each.endswith(f"/{path}") for each in chart.names)],
         [chart for chart in charts if name in chart.names],
     ):
-        if len({chart.script for chart in fits}) == 1:
+        if len({content(chart) for chart in fits}) == 1:
             return fits
     return []

@@ -18,6 +18,7 @@ from drake_leg.simulink.masks import Mask, read_mask
 from drake_leg.simulink.matlab.data import LackError
 from drake_leg.simulink.matlab.signal_builder import built_signals, text_of_signals
 from drake_leg.simulink.model import Function, split_port
+from drake_leg.simulink.stateflow import function_of, read_machine
 
 BUILT = "SigBuilderData"  # parameter of a Signal Builder that holds its signals
 
@@ -34,7 +35,7 @@ SourceBlock ContentPreviewEnabled GraphicalSettings WindowPosition ScopeSpecific
 ScopeGraphics Location WasSavedAsWebScope OpenFcn AttributesFormatString Description
 """
 _DRAWING = frozenset(_OF_THE_DRAWING.split())
-MATLAB_FUNCTION = "MATLAB Function"
+MATLAB_FUNCTION, CHART = "MATLAB Function", "Chart"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -189,8 +190,11 @@ class _Walk:
         if place.linked is not None:
             inside = place.linked
         names = inside, block.name, _chart_tag(systems)
-        if _is_unnamed_chart(block) and systems and place.file.charts.is_function(*names):
-            block = replace(block, texts=block.texts | {"SFBlockType": MATLAB_FUNCTION})
+        if _is_unnamed_chart(block) and systems:
+            if place.file.charts.is_function(*names):
+                block = replace(block, texts=block.texts | {"SFBlockType": MATLAB_FUNCTION})
+            elif place.file.charts.machine(*names) is not None:
+                block = replace(block, texts=block.texts | {"SFBlockType": CHART})
         chart = block.texts.get("SFBlockType", "NONE")
         if how == "through":
             found.through[block.sid] = block
@@ -199,6 +203,8 @@ class _Walk:
             found.commented.add(block.sid)
         else:
             found.blocks[block.sid] = block
+            if chart == CHART:
+                found.functions.append(_of_chart(block, place.file.charts.machine(*names), systems))
             if chart == MATLAB_FUNCTION:
                 script = place.file.charts.script(*names)
                 found.functions.append(
@@ -358,6 +364,35 @@ def _ports(element: Element, texts: dict[str, str]) -> dict[str, int]:
 def _is_unnamed_chart(block: DrawnBlock) -> bool:
     """Tell whether a block holds a chart, as of about R2012, but not of what kind."""
     return "SFBlockType" not in block.texts and block.mask.type == "Stateflow"
+
+
+def _of_chart(block: DrawnBlock, chart: Element | None, systems: list[Element]) -> Function:
+    """Write the code of a chart, or say why it has none."""
+    inner = [parameters(each) | each.attrib for system in systems for each in system]
+    ports = [
+        (each.get("BlockType"), int(each.get("Port", "1")), each.get("Name", ""))
+        for each in inner
+        if each.get("BlockType") in ("Inport", "Outport") and each.get("Port", "1").isdecimal()
+    ]
+    script = problem = ""
+    named: tuple[str, ...] = ()
+    if chart is None:
+        problem = "has no chart in the file: save the model again in Simulink"
+    else:
+        try:
+            machine = read_machine(chart, [name for *_, name in sorted(ports)])
+            named = tuple(datum.name for datum in machine.data if datum.scope == "PARAMETER")
+            script = function_of(machine)
+        except InvalidValueError as error:
+            problem = str(error)
+    return Function(
+        sid=block.sid,
+        name=block.name,
+        script=script,
+        parameters=named,
+        is_chart=True,
+        problem=problem,
+    )
 
 
 def _chart_tag(systems: list[Element]) -> str:

@@ -100,11 +100,13 @@ def _plain_value(values: Mapping[str, Value], name: str) -> Any:  # noqa: ANN401
 def as_summary(model: Model) -> list[str]:
     """Return what a model is and what it lacks: its kinds of blocks, and what is not understood."""
     kinds = Counter(printable(block.kind) for block in model.blocks)
+    charts = sum(function.is_chart for function in model.functions)
     counts = (
         (len(model.blocks), "block"),
         (len(model.wires), "wire"),
         (len(model.nodes), "physical connection"),
-        (len(model.functions), "MATLAB function"),
+        (len(model.functions) - charts, "MATLAB function"),
+        *([(charts, "chart")] if charts else []),
     )
     lines = [f"{printable(model.name)}: {', '.join(_counted(*count) for count in counts)}", ""]
     shown = [f"{kind} {number}" if number > 1 else kind for kind, number in kinds.most_common()]

@@ -105,12 +105,14 @@ class SignalWire:
 
 @dataclass(frozen=True, kw_only=True)
 class Function:
-    """The code of a MATLAB Function block."""
+    """The code of a MATLAB Function block, or of a chart: of one step of it."""
 
     sid: str  # of its block
     name: str  # of its block
     script: str
     parameters: tuple[str, ...] = ()  # arguments that are no inputs, where the file tells
+    is_chart: bool = False
+    problem: str = ""  # why a chart has no code
 
 
 @dataclass(frozen=True, kw_only=True)

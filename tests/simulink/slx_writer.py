@@ -24,8 +24,13 @@ class WrittenBlock:
     system: str
     parameters: Texts
     ports: dict[str, int]
-    script: str | None = None
+    script: str | None = None  # of MATLAB, or what a chart holds, as XML
     mask: str = ""  # of `mask_text`
+
+
+def _is_drawn(block: WrittenBlock) -> bool:
+    """Tell whether a block is a chart of states."""
+    return (block.script or "").startswith("<")
 
 
 @dataclass
@@ -223,10 +228,13 @@ class ModelBuilder:
         return f"{self._path(above)}/{block.name}" if above else block.name
 
     def _chart(self, number: int, block: WrittenBlock) -> str:
+        held = block.script or ""
+        if not _is_drawn(block):
+            held = f"<eml>{_p('isEML', '1')}{_p('script', held)}</eml>"
         return (
             f'<chart id="{number + 10}">{_p("name", self._path(block))}'
             f"{_p('chartFileNumber', str(number))}"
-            f"<eml>{_p('isEML', '1')}{_p('script', block.script or '')}</eml></chart>"
+            f"{held}</chart>"
         )
 
     def _instances(self) -> str:
@@ -241,7 +249,7 @@ class ModelBuilder:
         blocks = [block for block in self.blocks.values() if block.system == system]
         inner = "".join(self._block_text(block, nested) for block in blocks)
         lines = "".join(_line_text(line) for line in self.lines if line.system == system)
-        if holder is not None and holder.script is not None:
+        if holder is not None and holder.script is not None and not _is_drawn(holder):
             number = self._functions().index(holder) + 1
             inner, lines = _machinery(holder.sid, number)
         return f"<System>{_p('Location', '[0, 0, 1630, 1016]')}{inner}{lines}</System>"

@@ -23,7 +23,7 @@ def other_code(
     Code that cannot be called is the same only if its text is, comments and spaces aside.
     ``sizes`` are those of the inputs.
     """
-    if _bare(scripts[0]) == _bare(scripts[1]):
+    if bare(scripts[0]) == bare(scripts[1]):
         return ""
     if programs[0] is None or programs[1] is None:
         return "is another text, and one of the two could not be read"
@@ -46,7 +46,7 @@ def other_code(
     return ""
 
 
-def _bare(script: str) -> str:
+def bare(script: str) -> str:
     """Leave comments and spaces out."""
     lines = (re.sub(r"%.*$", "", line) for line in script.splitlines())
     return "\n".join(" ".join(line.split()) for line in lines if line.strip())

@@ -16,7 +16,7 @@ from drake_leg.simulink.compare.blocks import (
     ActingBlocks,
     match_blocks,
 )
-from drake_leg.simulink.compare.code import other_code
+from drake_leg.simulink.compare.code import bare, other_code
 from drake_leg.simulink.compare.findings import (
     Blocks,
     Comparison,
@@ -232,7 +232,8 @@ def _compare_acting(pair: _Pair) -> Iterator[Verdict]:
         yield from _compare_code(pair, block, theirs)
         yield from _compare_inputs(pair, block, theirs)
         yield from _compare_ends(pair, block, theirs)
-        unread = ", whose content is not compared" if block.kind in CHARTS else ""
+        is_read = all(_scripts(pair, block, theirs))
+        unread = ", whose content is not compared" if block.kind in CHARTS and not is_read else ""
         yield matched(block, f"{theirs.name!r}{unread}", [other])
 
 
@@ -267,15 +268,26 @@ def _compare_units(ours: Block, theirs: Block) -> Iterator[Verdict]:
 
 def _compare_code(pair: _Pair, ours: Block, theirs: Block) -> Iterator[Verdict]:
     codes = pair.ours.signals.codes.get(ours.sid), pair.theirs.signals.codes.get(theirs.sid)
+    scripts = _scripts(pair, ours, theirs)
     if codes[0] is None or codes[1] is None:
+        if ours.kind == "Chart" and all(scripts) and bare(scripts[0]) != bare(scripts[1]):
+            yield _of_code(ours, "has other states, transitions or actions")
         return
-    scripts = pair.ours.scripts.get(ours.sid, ""), pair.theirs.scripts.get(theirs.sid, "")
     signals = (pair.ours.signals.input(ours.sid, 1 + n) for n in range(codes[0].inputs))
     sizes = [len(signal or ()) or 1 for signal in signals]
     why = other_code(scripts, (codes[0].program, codes[1].program), sizes)
     if why:
-        verdict = different(ours.sid, ours.name, "code", why, "", what="block")
-        yield Verdict(list="different", item={**verdict.item, "why": f"its code {why}"})
+        yield _of_code(ours, why)
+
+
+def _of_code(block: Block, why: str) -> Verdict:
+    verdict = different(block.sid, block.name, "code", why, "", what="block")
+    what = "chart" if block.kind == "Chart" else "code"
+    return Verdict(list="different", item={**verdict.item, "why": f"its {what} {why}"})
+
+
+def _scripts(pair: _Pair, ours: Block, theirs: Block) -> tuple[str, str]:
+    return pair.ours.scripts.get(ours.sid, ""), pair.theirs.scripts.get(theirs.sid, "")
 
 
 def _compare_inputs(pair: _Pair, ours: Block, theirs: Block) -> Iterator[Verdict]:

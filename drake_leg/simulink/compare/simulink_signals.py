@@ -115,7 +115,8 @@ class SimulinkSignals:
             self._targets_of.setdefault(source, []).append(target)
         self._name_of = {wire.target: wire.name for wire in model.wires}
         self._node_of = {port: node for node in model.nodes for port in node}
-        self._codes = {f.sid: self._parsed(f.sid, f.script) for f in model.functions}
+        functions = [function for function in model.functions if not function.is_chart]
+        self._codes = {f.sid: self._parsed(f.sid, f.script) for f in functions}
         self._failed: dict[str, Code] = {}  # of functions that cannot be called
         self._sizes: dict[str, int] = {}
         self._known: dict[str, Signal] = {}

@@ -10,7 +10,7 @@ from typing import Any
 
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
-from drake_leg.simulink.model import Block, Model, Parameters, split_port
+from drake_leg.simulink.model import Block, Function, Model, Parameters, split_port
 from drake_leg.simulink.networks.reading import Part, networks_of
 from drake_leg.simulink.networks.reflection import Reflected, without_accelerations
 from drake_leg.simulink.wiring import flatten
@@ -29,7 +29,8 @@ class Node:
     names: tuple[str, ...]  # of the signals at them; "" where they have none
     outputs: tuple[str, ...]  # ports, those that nothing reads included
     gates: tuple[str, ...] = ()  # SIDs of the gate blocks of the systems around, outermost first
-    script: str = ""  # of a MATLAB Function
+    script: str = ""  # of a MATLAB Function, or a chart
+    problem: str = ""  # why a chart has none
     parameters: tuple[str, ...] = ()  # its arguments that are no inputs, where the file tells
     read: frozenset[str] = frozenset()  # outputs that something reads
     systems: tuple[Block, ...] = ()  # around it, that have sample times, innermost first
@@ -209,8 +210,9 @@ class _Reading:
             outputs=outputs,
             gates=self._gates_around(block),
             systems=self._sampled_around(block),
-            script=self._scripts.get(block.sid, ""),
-            parameters=self._parameters.get(block.sid, ()),
+            script=self._function(block.sid).script,
+            problem=self._function(block.sid).problem,
+            parameters=self._function(block.sid).parameters,
             read=frozenset(port for port in outputs if port in self._read),
             feeds_motion=self._feeds_motion(block.sid),
         )
@@ -221,18 +223,17 @@ class _Reading:
         if name or block.type != "BusCreator" or target not in self._drivers:
             return name
         sid, _, number = split_port(self._drivers[target])
-        names = program_outputs(self._scripts.get(sid, ""))
+        names = program_outputs(self._function(sid).script)
         if self._blocks[sid].type == "BusSelector":
             names = tuple(selected_names(self._blocks[sid]))
         return names[number - 1] if number <= len(names) else ""
 
     @cached_property
-    def _scripts(self) -> dict[str, str]:
-        return {function.sid: function.script for function in self._model.functions}
+    def _functions(self) -> dict[str, Function]:
+        return {function.sid: function for function in self._model.functions}
 
-    @cached_property
-    def _parameters(self) -> dict[str, tuple[str, ...]]:
-        return {function.sid: function.parameters for function in self._model.functions}
+    def _function(self, sid: str) -> Function:
+        return self._functions.get(sid) or Function(sid=sid, name="", script="")
 
     def _feeds_motion(self, sid: str) -> bool:
         """Whether a signal of a block comes to a motion, through physical signals or at once."""

@@ -1,6 +1,7 @@
 """Two models that mean the same agree; each true difference is named, and it alone."""
 
 import pytest
+from chart_drawings import heated
 from model_changes import add_leg, drawn_first_last, rewired
 from slx_models import BRICK, JACOB_INV, REVOLUTE, RIGID_TRANSFORM, TO_PHYSICAL, published_leg
 
@@ -314,3 +315,19 @@ def test_a_model_whose_mechanism_is_not_known_is_a_sentence(compared):
     model = published_leg().set("Brick Solid1", Density="rho")
     with pytest.raises(InvalidValueError, match="'rho'"):
         compared(model, published_leg())
+
+
+def test_charts_are_compared_by_what_they_do(compared):
+    def with_limit(text):
+        made = heated(sampled=True)
+        block = made.blocks[made.sid("Mode")]
+        block.script = block.script.replace("x &gt; 2", text)
+        return made
+
+    assert changed(compared(with_limit("x &gt; 2"), with_limit("x  &gt;  2"))) == []
+    found = compared(with_limit("x &gt; 2"), with_limit("x &gt; 3"))
+    assert [item["why"] for item in found.different] == [
+        "its chart has other states, transitions or actions"
+    ]
+    held = compared(with_limit("x &gt; 2"), with_limit("hasChanged(x)"))
+    assert any("content is not compared" in str(item) for item in held.matched)

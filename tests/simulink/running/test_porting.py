@@ -5,6 +5,7 @@ import runpy
 
 import numpy as np
 import pytest
+from chart_drawings import heated
 from mechanism_models import pendulum
 from rigs import Rig
 from signal_models import charted, oscillator
@@ -114,6 +115,13 @@ def test_sample_times_code_tables_and_stops(tmp_path):
     assert INLINE < 500
     assert "persistent n" in script.text
     assert " = array([\n    [0.14285714285714285, " in script.text  # a matrix by its rows
+
+
+@pytest.mark.parametrize("sampled", [True, False])
+def test_a_chart(tmp_path, sampled):
+    ours, theirs, script = both(heated(sampled=sampled), tmp_path, 3.0)
+    require_same(ours, theirs)
+    assert "at_chart = 2; % Heat" in script.text
 
 
 def test_a_replaced_block(tmp_path):

@@ -17,6 +17,7 @@ from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.network import OF_SYSTEM
 from drake_leg.simulink.running.operations import real, settled
 from drake_leg.simulink.running.settings import Signal
+from drake_leg.simulink.stateflow.actions import NOW
 
 
 class Expression:
@@ -98,12 +99,24 @@ def _argument(w: Writer, place: int, name: str) -> Operand:
     return found
 
 
+@kind("Chart", finish=_after, sample_time=OF_SYSTEM, stepwise=True)
+def chart(w: Writer) -> None:
+    """Make a step of a chart."""
+    if w.node.problem:
+        raise w.fault(f"{w.node.problem}; `replace` can say what it puts out instead")
+    _call(w)
+
+
 @kind("MATLAB Function", finish=_after, sample_time=OF_SYSTEM)
 def matlab_function(w: Writer) -> None:
     """Call the code of a MATLAB Function block."""
-    script = w.node.script
-    if not script.strip():
+    if not w.node.script.strip():
         raise w.fault("has no code in the file: save the model again in Simulink")
+    _call(w)
+
+
+def _call(w: Writer) -> None:
+    script = w.node.script
     function = compiled(
         script,
         name=w.node.block.name,
@@ -111,7 +124,10 @@ def matlab_function(w: Writer) -> None:
         functions=w.pen.folders,
     )
     name = w.constant(function, w.node.block.name)
-    inputs = [_argument(w, place, each) for place, each in enumerate(function.inputs)]
+    names = [each for each in function.inputs if each != NOW]
+    inputs = [_argument(w, place, each) for place, each in enumerate(names)]
+    if NOW in function.inputs:
+        inputs.append(w.let("t", "now"))
     arguments = ", ".join(one.code for one in inputs)
     keeps = function.keeps
     w.pen.written[name] = Call(
