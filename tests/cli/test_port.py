@@ -69,8 +69,8 @@ def test_a_script_overwrites_no_recording_unasked(port, tmp_path, capsys, monkey
 def test_what_cannot_be_ported_is_said(port, tmp_path):
     assert port(charted())[::2] == (
         2,
-        "drake-leg: m.slx: block 'Chart' (SID 2) is a Chart, which does not run: let --replace say "
-        "what it puts out instead\n",
+        "drake-leg: m.slx: block 'Chart' (SID 2) has no chart in the file: save the model again in "
+        "Simulink; --replace can say what it puts out instead\n",
     )
     assert port(charted(), "--replace", "Chart=constant 1")[0] == 0
     assert main(["port", "leg-b", "--out", "leg.py"]) == 2

@@ -22,7 +22,7 @@ def oscillator(stop="1.0"):
 
 
 def charted():
-    """A chart, which does not run, between a step and an integrator."""
+    """A chart that the file does not hold, between a step and an integrator."""
     built = ModelBuilder(solver={"StopTime": "2"})
     step = built.add_block("Step", "Start", {"Time": "1"})
     chart = built.add_block(
