@@ -117,9 +117,9 @@ if TYPE_CHECKING:
     from drake_leg.robot.robots import PENDULUM as PENDULUM
     from drake_leg.robot.robots import SCARA as SCARA
     from drake_leg.runs.named import run as run
-    from drake_leg.scene.media import replay as replay
     from drake_leg.scene.media import still as still
     from drake_leg.scene.media import write_video as write_video
+    from drake_leg.scene.replays import replay as replay
     from drake_leg.scene.viewer import view as view
     from drake_leg.simulation.recording import Recording as Recording
     from drake_leg.simulation.run import simulate as simulate
@@ -182,7 +182,7 @@ _HOMES = {
     "load_robot": ("drake_leg.robot.robot_file", "load_robot"),
     "movable": ("drake_leg.kinematics.chain", "movable"),
     "prove": ("drake_leg.models.proof", "prove"),
-    "replay": ("drake_leg.scene.media", "replay"),
+    "replay": ("drake_leg.scene.replays", "replay"),
     "report": ("drake_leg.lab.shown", "report"),
     "run": ("drake_leg.runs.named", "run"),
     "simulate": ("drake_leg.simulation.run", "simulate"),

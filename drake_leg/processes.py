@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import signal
 import sys
 import threading
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing.process import BaseProcess
+from typing import Any
 
 # On Linux, workers are copies of a process that has loaded what most of them need, and did nothing
 # else: only the first pool of a process waits for imports.
@@ -37,7 +41,16 @@ def new_processes(count: int) -> ProcessPoolExecutor:
     return ProcessPoolExecutor(count, mp_context=context, initializer=_prepare)
 
 
+def begin_process(function: Callable[..., None], *arguments: object) -> BaseProcess:
+    """Start one process by itself, for what may end it."""
+    context: Any = multiprocessing.get_context(START)
+    process: BaseProcess = context.Process(target=function, args=arguments)
+    process.start()
+    return process
+
+
 def _prepare() -> None:
+    gc.freeze()  # what was loaded stays: it is not looked through again, and remains shared
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()

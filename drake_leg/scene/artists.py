@@ -43,14 +43,15 @@ from drake_leg.colours import Colour
 from drake_leg.errors import DrakeLegError
 from drake_leg.kinematics.khalil import Array
 from drake_leg.pictures.plots.style import STYLE
+from drake_leg.robot.robots import PENDULUM
 from drake_leg.scene.lettering import LIGHT, Paper, Pixels
+from drake_leg.scene.motion import at_rest
 from drake_leg.scene.parts import Part
-from drake_leg.scene.scene import Scene
-from drake_leg.scene.views import View
+from drake_leg.scene.scene import Scene, scene_of
+from drake_leg.scene.views import VIEWS, View
 
 EDGE = 0.06  # of the picture's width: room around what a scene holds, for what is thick
 
-_ENGINE = "vtk"
 DPI = 120
 SIDES = 12  # of a prism that stands for a cylinder
 LAMP = np.array([-0.35, 0.6, 0.72])  # from the picture to the light: right, up, backwards
@@ -59,17 +60,11 @@ SHADOW = 0.55  # brightness of what the light does not reach
 _LIGHTS = (((-0.6, -0.9, -0.5), 0.8), ((0.9, -0.2, -0.6), 0.4), ((0.1, 0.4, -1.0), 0.5))
 
 TRIAL = """
-import numpy as np
-from drake_leg.robot.robots import PENDULUM
-from drake_leg.scene.artists import Renderer
-from drake_leg.scene.motion import at_rest
-from drake_leg.scene.scene import scene_of
-from drake_leg.scene.views import VIEWS
-motion = at_rest(PENDULUM, [0.3])
-image = Renderer(scene_of(motion), width=64, height=48).image(motion.poses()[0], VIEWS["front"])
-assert np.ptp(image) > 0, "the picture is empty"
+from drake_leg.scene.artists import try_rendering
+try_rendering()
 """
 PATIENCE = 60.0  # [s]
+MOST_SAID = 200  # letters of a reason
 REMEDY = "install Mesa (Debian: libegl1 libgl1-mesa-dri)"
 
 
@@ -79,24 +74,26 @@ class _Shot:
 
     X_WC: RigidTransform  # its axes point right, down and forwards
     focus: float  # focal length [pixels]
-    camera: ColorRenderCamera
+    cameras: tuple[ColorRenderCamera, ...]  # one for each paper
     beside: int  # left out on the left and on the right [pixels]
     above: int  # left out above and below [pixels]
 
 
 class Renderer:
-    """Renders one scene in any pose, in pictures of a size [pixels].
+    """Renders one scene in any pose, in pictures of a size [pixels] on one of its papers.
 
     A scene graph by itself, without a diagram: the poses are fixed on its input port.
     """
 
-    def __init__(self, scene: Scene, *, width: int, height: int, paper: Paper = LIGHT) -> None:
+    def __init__(
+        self, scene: Scene, *, width: int, height: int, papers: tuple[Paper, ...] = (LIGHT,)
+    ) -> None:
         self._scene, self.width, self.height = scene, width, height
-        self._blank = np.empty((height, width, 3), dtype=np.uint8)
-        self._blank[:] = np.round(255.0 * np.array(paper.background))
+        self._papers = papers
         self._shot = cache(self._aim)
         self._graph = SceneGraph()
-        self._graph.AddRenderer(_ENGINE, MakeRenderEngineVtk(_engine_parameters(paper)))
+        for engine, paper in enumerate(papers):
+            self._graph.AddRenderer(str(engine), MakeRenderEngineVtk(_engine_parameters(paper)))
         self._source = self._graph.RegisterSource("robot")
         self._frames = [
             self._graph.RegisterFrame(self._source, GeometryFrame(f"frame_{index}"))
@@ -119,16 +116,22 @@ class Renderer:
         instance.set_perception_properties(properties)
         self._graph.RegisterGeometry(self._source, self._frames[part.frame], instance)
 
-    def image(self, X_WF: Array, view: View) -> Pixels:
-        """Render the frames' poses, (n, 4, 4) as one row of ``PlantMotion.poses``."""
+    def image(self, X_WF: Array, view: View, paper: Paper | None = None) -> Pixels:
+        """Render the frames' poses, (n, 4, 4) as one row of ``PlantMotion.poses``.
+
+        The paper is one of the renderer's; by default its first.
+        """
+        paper = paper or self._papers[0]
         poses = FramePoseVector()
         for frame, X in zip(self._frames, X_WF, strict=True):
             poses.set_value(frame, RigidTransform(X))
         self._graph.get_source_pose_port(self._source).FixValue(self._context, poses)
         query = self._graph.get_query_output_port().Eval(self._context)
         shot = self._shot(view)
-        seen = query.RenderColorImage(shot.camera, self._graph.world_frame_id(), shot.X_WC)
-        image = self._blank.copy()
+        camera = shot.cameras[self._papers.index(paper)]
+        seen = query.RenderColorImage(camera, self._graph.world_frame_id(), shot.X_WC)
+        image = np.empty((self.height, self.width, 3), dtype=np.uint8)
+        image[:] = np.round(255.0 * np.array(paper.background))
         rows = slice(shot.above, self.height - shot.above)
         columns = slice(shot.beside, self.width - shot.beside)
         image[rows, columns] = seen.data[:, :, :3]
@@ -155,24 +158,25 @@ class Renderer:
         beside, above = np.maximum(size / 2.0 - reach, 0.0).astype(int).tolist()
         width, height = self.width - 2 * beside, self.height - 2 * above
         far = framing.distance(aspect) + self._scene.size
-        core = RenderCameraCore(
-            _ENGINE,
-            CameraInfo(width, height, focus, focus, width / 2.0 - 0.5, height / 2.0 - 0.5),
-            ClippingRange(far / 100.0, 2.0 * far),
-            RigidTransform(),
+        lens = CameraInfo(width, height, focus, focus, width / 2.0 - 0.5, height / 2.0 - 0.5)
+        depths = ClippingRange(far / 100.0, 2.0 * far)
+        cameras = tuple(
+            ColorRenderCamera(RenderCameraCore(str(engine), lens, depths, RigidTransform()), False)
+            for engine in range(len(self._papers))
         )
-        camera = ColorRenderCamera(core, False)
-        return _Shot(X_WC=X_WC, focus=focus, camera=camera, beside=beside, above=above)
+        return _Shot(X_WC=X_WC, focus=focus, cameras=cameras, beside=beside, above=above)
 
 
 class Sketcher:
     """Draws one scene in any pose, in parallel projection: shaded faces, far ones first."""
 
-    def __init__(self, scene: Scene, *, width: int, height: int, paper: Paper = LIGHT) -> None:
-        self._scene, self.width, self.height, self._paper = scene, width, height, paper
-        self._framing = cache(scene.framing)
+    def __init__(
+        self, scene: Scene, *, width: int, height: int, papers: tuple[Paper, ...] = (LIGHT,)
+    ) -> None:
+        self._scene, self.width, self.height, self._papers = scene, width, height, papers
+        self._framing = scene.framing
 
-    def image(self, X_WF: Array, view: View) -> Pixels:
+    def image(self, X_WF: Array, view: View, paper: Paper | None = None) -> Pixels:
         """Draw the frames' poses, (n, 4, 4) as one row of ``PlantMotion.poses``."""
         faces, colours = [], []
         for part in self._scene.drawn:
@@ -184,7 +188,8 @@ class Sketcher:
                 colours.append((*_shaded(part.colour, seen), part.opacity))
         far_first = np.argsort([face[:, 2].mean() for face in faces])
         polygons = [self._pixels(faces[index], view) for index in far_first]
-        return self._drawn(polygons, [colours[index] for index in far_first])
+        paper = paper or self._papers[0]
+        return self._drawn(polygons, [colours[index] for index in far_first], paper)
 
     def pixels(self, points: Array, view: View) -> Array:
         """Project points of the world (n, 3), to the right and down, (n, 2) [pixels]."""
@@ -197,10 +202,12 @@ class Sketcher:
         away = (seen - framing.target @ view.axes)[:, :2] * [scale, -scale]
         return np.asarray(away + np.array([self.width, self.height]) / 2.0)
 
-    def _drawn(self, polygons: list[Array], colours: list[tuple[float, ...]]) -> Pixels:
+    def _drawn(
+        self, polygons: list[Array], colours: list[tuple[float, ...]], paper: Paper
+    ) -> Pixels:
         with mpl.rc_context(STYLE):
             figure = Figure(figsize=(self.width / DPI, self.height / DPI), dpi=DPI)
-            figure.set_facecolor(self._paper.background)
+            figure.set_facecolor(paper.background)
             FigureCanvasAgg(figure)
             axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
             axes.set_axis_off()
@@ -245,12 +252,23 @@ def rendering_fault() -> str | None:
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         return f"{type(error).__name__}"
-    if trial.returncode == 0:
-        return None
-    if trial.returncode < 0:
-        return f"the renderer was ended by signal {-trial.returncode}"
     lines = [line.strip() for line in trial.stderr.splitlines() if line.strip()]
-    return lines[-1][:200] if lines else f"exit status {trial.returncode}"
+    return lines[-1][:MOST_SAID] if trial.returncode > 0 and lines else ended_by(trial.returncode)
+
+
+def ended_by(status: int) -> str | None:
+    """Say what the status of a trial's process means, where it said nothing."""
+    if status < 0:
+        return f"the renderer was ended by signal {-status}"
+    return f"exit status {status}" if status else None
+
+
+def try_rendering() -> None:
+    """Render a small picture; without OpenGL this raises an error, or ends the process."""
+    motion = at_rest(PENDULUM, [0.3])
+    image = Renderer(scene_of(motion), width=64, height=48).image(motion.poses()[0], VIEWS["front"])
+    if not np.ptp(image):
+        raise RuntimeError("the picture is empty")
 
 
 def require_rendering() -> None:

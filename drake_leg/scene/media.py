@@ -1,14 +1,11 @@
-"""Stills, videos and replay pages of a plant, made without a display."""
+"""Stills and videos of a plant, made without a display; files of either kind."""
 
 from __future__ import annotations
 
-import base64
 import io
-import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from html import escape
 from pathlib import Path
 from types import NoneType
 
@@ -17,7 +14,7 @@ from PIL import Image
 
 from drake_leg.arguments import require_callable, require_kind
 from drake_leg.errors import InvalidValueError, require_import, require_pillow
-from drake_leg.files import check_file, whole_file, write_text
+from drake_leg.files import check_file, whole_file
 from drake_leg.scene.artists import (
     REMEDY,
     Renderer,
@@ -25,7 +22,6 @@ from drake_leg.scene.artists import (
     rendering_fault,
     require_rendering,
 )
-from drake_leg.scene.furniture import TRACE
 from drake_leg.scene.lettering import (
     DARK,
     LIGHT,
@@ -39,18 +35,11 @@ from drake_leg.scene.lettering import (
     write_on,
 )
 from drake_leg.scene.motion import PlantMotion, Record, at_rest, motion_of
-from drake_leg.scene.scene import FOOT_TRACE, Scene, scene_of
+from drake_leg.scene.replays import Replay, replay, replay_of, short
+from drake_leg.scene.scene import Scene, scene_of
 from drake_leg.scene.showable import Showable
 from drake_leg.scene.views import View, as_view
-from drake_leg.scene.walk_overlay import (
-    draw_footing,
-    margin_in_words,
-    newtons_a_square,
-    overlay_data,
-    overlay_rows,
-    packed,
-)
-from drake_leg.scene.web_page import pose_rows, stage_data, web_page
+from drake_leg.scene.walk_overlay import draw_footing, margin_in_words, newtons_a_square
 
 WIDTH, HEIGHT = 960, 720  # [pixels] of a still
 SMOOTHING = 2  # a still is rendered larger by this factor
@@ -60,7 +49,6 @@ VIDEOS = (".mp4", ".gif")
 VIDEO_WIDTH, VIDEO_HEIGHT = 800, 600  # [pixels]; even, as MP4 wants
 MP4_RATE = 30
 GIF_RATE, GIF_SHARE = 20, 2  # a GIF counts time in 1/100 s; width and height divided by this
-LONGEST = 600.0  # [s]
 QUALITY = "20"  # x264's constant rate factor
 GIF_COLOURS = 128
 SMALLEST_LETTERS = 12  # [pixels], of the axes' names in a video
@@ -155,8 +143,18 @@ def on_both_papers(
     """Draw what ``still`` draws on light and on dark paper, as arrays (h, w, 3) of bytes."""
     posture = at_rest(what, q)
     scene = scene_of(posture if motion is None else motion_of(what, motion))
-    light, dark = (_drawn(scene, posture, as_view(view), paper) for paper in (LIGHT, DARK))
+    light, dark = _drawn(scene, posture, as_view(view), (LIGHT, DARK))
     return light, dark
+
+
+def replay_with_poster(
+    what: Showable, record: Record, *, title: str | None = None
+) -> tuple[Replay, Pixels, Pixels]:
+    """Make a page as ``replay`` does, and pictures of where it begins, on light and dark paper."""
+    motion = short(what, record, "replay")
+    scene, first = scene_of(motion), replace(motion.at(motion.time[0]), footing=None)
+    light, dark = _drawn(scene, first, as_view("3d"), (LIGHT, DARK))
+    return replay_of(scene, motion, title=title), light, dark
 
 
 def png_of(pixels: Pixels) -> bytes:
@@ -173,19 +171,29 @@ def walking_still(motion: PlantMotion, time: float, *, view: View | str = "3d") 
 
 
 def _still(scene: Scene, posture: PlantMotion, seen_from: View, paper: Paper) -> Still:
-    return Still(png_of(_drawn(scene, posture, seen_from, paper)))
+    (pixels,) = _drawn(scene, posture, seen_from, (paper,))
+    return Still(png_of(pixels))
 
 
-def _drawn(scene: Scene, posture: PlantMotion, seen_from: View, paper: Paper) -> Pixels:
+def _drawn(
+    scene: Scene, posture: PlantMotion, seen_from: View, papers: tuple[Paper, ...]
+) -> list[Pixels]:
+    """Draw a posture on each paper."""
     able: type[Renderer] | type[Sketcher] = Renderer if rendering_fault() is None else Sketcher
-    artist = able(scene, width=SMOOTHING * WIDTH, height=SMOOTHING * HEIGHT, paper=paper)
+    artist = able(scene, width=SMOOTHING * WIDTH, height=SMOOTHING * HEIGHT, papers=papers)
     seen_from = scene.own(seen_from)
+    return [_drawn_on(paper, artist, scene, posture, seen_from) for paper in papers]
+
+
+def _drawn_on(
+    paper: Paper, artist: Renderer | Sketcher, scene: Scene, posture: PlantMotion, seen_from: View
+) -> Pixels:
     text = seen_from.titled(scene.shown.title)
     title = Words(text=text, x=28, y=38, size=TITLE, colour=paper.ink)
     names = AxisNames(artist, scene, seen_from, share=SMOOTHING, size=LETTERS, paper=paper)
     X_WF = scene.followed(posture.poses()[0])
     words = [title, *names.place(X_WF, [title])]
-    smooth = reduced(artist.image(X_WF, seen_from), SMOOTHING)
+    smooth = reduced(artist.image(X_WF, seen_from, paper), SMOOTHING)
     if posture.footing is not None:
         footing = posture.footing
         smooth = draw_footing(smooth, artist, seen_from, scene, footing, 0, SMOOTHING)
@@ -288,7 +296,7 @@ def write_video(
     """
     require_kind("target", target, str, Path)
     require_callable("progress", progress)
-    path, motion, seen_from = Path(target), _short(what, record, "video"), as_view(view)
+    path, motion, seen_from = Path(target), short(what, record, "video"), as_view(view)
     with whole_file(path, endings=VIDEOS, overwrite=overwrite) as scratch:
         require_video(path)
         gif = path.suffix.lower() == ".gif"
@@ -297,16 +305,6 @@ def write_video(
         images = _images(frames, scene_of(motion), seen_from, progress, share)
         (_encode_gif if gif else _encode_mp4)(scratch, images)
     return len(frames.time)
-
-
-def _short(what: Showable, record: Record, kind: str) -> PlantMotion:
-    """Read a motion, and refuse one that is too long."""
-    motion = motion_of(what, record)
-    if motion.duration > LONGEST:
-        raise InvalidValueError(
-            f"the motion is {motion.duration:g} s long; a {kind} is at most {LONGEST:g} s"
-        )
-    return motion
 
 
 def _images(
@@ -372,110 +370,6 @@ def _encode_gif(target: Path, images: Iterator[Pixels]) -> None:
         loop=0,
         optimize=False,
     )
-
-
-# --- replays ---------------------------------------------------------------------------------
-
-RATE = 30.0  # poses a second, at least; the page interpolates between them
-FRAME = (
-    '<iframe title="{title}" srcdoc="{page}" style="width: 100%; height: 34rem; '
-    'border: 1px solid rgba(128, 128, 128, .4); border-radius: 6px"></iframe>'
-)
-
-
-@dataclass(frozen=True)
-class Replay:
-    """A page that plays a motion in 3D, without a network; a notebook shows it in a frame."""
-
-    title: str
-    html: str = field(repr=False)  # a whole page, about 2.5 MB
-
-    def _repr_html_(self) -> str:
-        return FRAME.format(title=escape(f"{self.title} in 3D"), page=escape(self.html))
-
-    def write(self, path: Path | str, *, overwrite: bool = False) -> None:
-        """Write it to a file that ends in ``.html``.
-
-        Raises
-        ------
-        OutputError
-            If it cannot be written, or is there and may not be replaced.
-        """
-        write_text(path, self.html, ending=".html", overwrite=overwrite)
-
-
-def replay(
-    what: Showable,
-    record: Record,
-    *,
-    title: str | None = None,
-    note: str | None = None,
-    view: View | str = "3d",
-) -> Replay:
-    """Make a page that plays a recorded motion in 3D: play, scrub, change the view.
-
-    Parameters
-    ----------
-    what : Robot, MultibodyPlant, Diagram, Path or str
-        What moved: a robot, or any plant, as ``still`` takes it.
-    record : RunResult, Run, Recording, VectorLog, or (time, q)
-        How it moved: what ``run`` or ``simulate`` returned; a recording with the columns ``time``
-        and ``q1`` ... ``qn``, or ``q`` for a single joint; the log of a ``VectorLogSink`` on the
-        plant's state; or times (rows,) [s], which rise, and positions (rows, n) [rad or m].
-    title : str, optional
-        By default the robot's.
-    note : str, optional
-        A sentence about the motion, such as why it stopped.
-    view : {"3d", "right", "front", "top"}
-        Where it is seen from first.
-
-    Returns
-    -------
-    Replay
-        ``replay.write("step.html")`` saves the page. It needs no network and no Drake.
-
-    Raises
-    ------
-    InvalidValueError
-        If the record is not a motion of this robot, or is longer than 600 s.
-    MeshcatError
-        If Meshcat finds no free port.
-
-    Examples
-    --------
-    >>> from drake_leg import LEG_B, replay, run
-    >>> step = run("leg-b", duration=0.2)
-    >>> page = replay(LEG_B, step)
-    >>> page.html.startswith("<!DOCTYPE html>")
-    True
-    """
-    require_kind("the title", title, str, NoneType)
-    require_kind("the note", note, str, NoneType)
-    motion, first = _short(what, record, "replay"), as_view(view)
-    rate = math.ceil(motion.duration * RATE) / motion.duration if motion.duration else RATE
-    frames = motion.sampled(rate)
-    scene = scene_of(motion)
-    heading = title or motion.shown.title
-    poses = pose_rows(motion.shown.X_UW @ frames.poses()[:, 1:])
-    poses = poses.astype("<f4")  # little-endian single floats
-    data = {
-        **stage_data(scene, first),
-        "rate": rate,
-        "duration": frames.duration,
-        "poses": base64.b64encode(poses.tobytes()).decode("ascii"),
-    }
-    if frames.footing is not None:
-        data["pen"] = {"radius": FOOT_TRACE * scene.size, "colour": TRACE}
-        data["footing"] = {
-            **overlay_data(scene, frames.footing),
-            "rows": packed(overlay_rows(scene, frames.footing)),
-        }
-    title = f"{heading}: replay"
-    force = frames.footing and f"{newtons_a_square(scene, frames.footing):g}"
-    page = web_page(
-        scene, "replay.html", title=title, data=data, heading=heading, note=note, force=force
-    )
-    return Replay(heading, page)
 
 
 # --- files of either kind --------------------------------------------------------------------

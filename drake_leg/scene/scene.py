@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache, cached_property
 
 import numpy as np
 from pydrake.geometry import Box
@@ -63,7 +64,7 @@ class Scene:
         """Return the scene's own view of the same name; another one as it is."""
         return self.views[view.name] if view in VIEWS.values() else view
 
-    @property
+    @cached_property
     def held(self) -> Array:
         """Points that a picture must hold, with the floor's corners, (k, 3) [m]."""
         if self.footing is not None:
@@ -74,7 +75,11 @@ class Scene:
 
     def framing(self, view: View) -> Framing:
         """Find how a view sees the whole scene, or a robot that walks."""
-        return frame(view, self.held)
+        return self._framing(view)
+
+    @cached_property
+    def _framing(self) -> Callable[[View], Framing]:
+        return cache(lambda view: frame(view, self.held))
 
     def hull(self) -> Array:
         """Corners of the smallest convex body that holds what is framed, (k, 3) [m]."""

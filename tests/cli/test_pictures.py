@@ -14,7 +14,8 @@ from drake_leg.robot.robots import hexabot_leg
 from drake_leg.robot.toml.writer import robot_toml
 from drake_leg.runs import figures
 from drake_leg.runs.catalogue import RUNS, run_kind
-from drake_leg.scene.media import Replay, Still
+from drake_leg.scene.media import Still
+from drake_leg.scene.replays import Replay
 from drake_leg.simulation.recording import Recording
 
 DATA = {LIST, "recording.csv", "summary.json"}

@@ -9,7 +9,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.lab.errata import catalogue
 from drake_leg.lab.shown import errata
 from drake_leg.robot.robots import LEG_A, LEG_B, PENDULUM, SCARA
-from drake_leg.scene.media import replay
+from drake_leg.scene.replays import replay
 from drake_leg.simulation.recording import Recording
 from drake_leg.symbolic.catalogue import derive
 

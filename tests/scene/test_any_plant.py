@@ -20,9 +20,10 @@ from pydrake.systems.primitives import ConstantVectorSource, LogVectorOutput
 from drake_leg.errors import InvalidValueError
 from drake_leg.models.sdf import sdf_text
 from drake_leg.robot.robots import LEG_B
-from drake_leg.scene.media import replay, still, write_video
+from drake_leg.scene.media import still, write_video
 from drake_leg.scene.motion import PlantMotion, at_rest
 from drake_leg.scene.parts import SOLID_OPACITY
+from drake_leg.scene.replays import replay
 from drake_leg.scene.scene import scene_of
 from drake_leg.scene.showable import shown
 from drake_leg.scene.viewer import joint_sliders

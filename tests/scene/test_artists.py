@@ -101,5 +101,5 @@ def test_a_trial_that_hangs_is_given_up(monkeypatch):
 def test_the_trial_of_the_renderer_fails_for_no_reason_of_its_own():
     """Its code is a text, whose imports nothing else looks at: a fault would pass for VTK's."""
     imports = [line for line in artists.TRIAL.splitlines() if line.startswith(("import", "from"))]
-    assert len(imports) > 3
+    assert imports
     exec("\n".join(imports), {})

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drake_leg.robot.robots import LEG_A, LEG_B, SCARA
-from drake_leg.scene.media import replay
 from drake_leg.scene.motion import at_rest
+from drake_leg.scene.replays import replay
 
 pytestmark = pytest.mark.slow
 

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_leg.scene.media import replay
+from drake_leg.scene.replays import replay
 from drake_leg.scene.views import MARGIN
 
 pytestmark = pytest.mark.slow

@@ -4,7 +4,7 @@ from html import escape
 
 import pytest
 
-from drake_leg.scene.media import replay
+from drake_leg.scene.replays import replay
 
 pytestmark = pytest.mark.slow
 

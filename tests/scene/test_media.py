@@ -15,8 +15,9 @@ from drake_leg.robot.robots import LEG_B, PENDULUM, ROBOTS
 from drake_leg.scene import media
 from drake_leg.scene.artists import Renderer, Sketcher
 from drake_leg.scene.lettering import DARK, LIGHT
-from drake_leg.scene.media import Replay, Still, replay, require_video, still, write_video
+from drake_leg.scene.media import Still, require_video, still, write_video
 from drake_leg.scene.motion import PlantMotion, at_rest
+from drake_leg.scene.replays import Replay, replay
 from drake_leg.scene.scene import scene_of
 from drake_leg.scene.showable import shown
 from drake_leg.scene.views import VIEWS

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drake_leg.scene.media import replay
+from drake_leg.scene.replays import replay
 
 pytestmark = pytest.mark.slow
 

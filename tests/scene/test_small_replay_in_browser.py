@@ -2,7 +2,7 @@
 
 import pytest
 
-from drake_leg.scene.media import replay
+from drake_leg.scene.replays import replay
 
 pytestmark = pytest.mark.slow
 

@@ -7,8 +7,8 @@ from drake_leg.robot.ground import FLAT
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.joint_mechanics import starting_posture
 from drake_leg.scene.footing import Footing
-from drake_leg.scene.media import replay
 from drake_leg.scene.motion import PlantMotion
+from drake_leg.scene.replays import replay
 from drake_leg.scene.showable import shown
 
 pytestmark = pytest.mark.slow

@@ -14,8 +14,8 @@ from drake_leg.robot.ground import Ground, Steps
 from drake_leg.robot.hexapods import HEXABOT
 from drake_leg.robot.robots import LEG_B
 from drake_leg.runs.walk_record import WalkRecord
-from drake_leg.scene.media import replay
 from drake_leg.scene.motion import at_rest, motion_of
+from drake_leg.scene.replays import replay
 from drake_leg.scene.scene import scene_of
 from drake_leg.scene.views import VIEWS
 from drake_leg.simulation.recording import Recording

@@ -37,8 +37,7 @@ from drake_leg.runs.catalogue import run_kind
 from drake_leg.runs.figures import figure_drawers
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
-from drake_leg.scene.media import on_both_papers, png_of, replay
-from drake_leg.scene.motion import motion_of
+from drake_leg.scene.media import on_both_papers, png_of, replay_with_poster
 
 HALF_TURN = (0.0, math.pi)  # [rad], the pendulum's angles without damping
 RATES = (-10.0, 10.0)  # [rad/s]
@@ -290,11 +289,10 @@ def _still(item: Item, maker: ItemMaker) -> ShownItem:
 
 def _replay(item: Item, maker: ItemMaker) -> ShownItem:
     outcome = maker.outcomes[item.subject]
-    motion = motion_of(outcome.robot, outcome.recording)
     file = maker.folder / f"{item.id}.html"
-    page = replay(outcome.robot, motion, title=run_kind(RUNS[item.subject].name).heading).html
-    file.write_text(page, encoding="utf-8")
-    light, dark = on_both_papers(outcome.robot, motion.q[0], motion=motion)
+    heading = run_kind(RUNS[item.subject].name).heading
+    made, light, dark = replay_with_poster(outcome.robot, outcome.recording, title=heading)
+    file.write_text(made.html, encoding="utf-8")
     poster = picture(light, item.caption, dark=dark)
     return ShownItem(
         body=piece("still", poster, item, file.name),

@@ -29,11 +29,12 @@ from drake_leg.lab.page.pieces import (
     prose,
     template,
 )
+from drake_leg.lab.page.trial import RenderingTrial
 from drake_leg.lab.page.walking import tilt
 from drake_leg.lab.page.workers import Workers, workers_here, working
 from drake_leg.runs.options import LegBOptions
 from drake_leg.runs.outcome import Outcome
-from drake_leg.scene.artists import rendering_fault, tell_rendering
+from drake_leg.scene.artists import tell_rendering
 from drake_leg.singularity.families import LegFamilies
 from drake_leg.singularity.stroke import closed_stroke
 
@@ -211,7 +212,7 @@ def _made_here(
 
 def _made_by(pool: Workers, folder: Path) -> Iterator[Stage]:
     """Let workers simulate and draw, while this process does the mathematics."""
-    trial = pool.submit(rendering_fault)  # by one process for all
+    trial = RenderingTrial()  # one for all processes
     first = [key for key in SLOWEST_RUNS if key in RUNS]
     runs = [*first, *(key for key in RUNS if key not in first)]
     waiting: dict[Future[Any], str | Item] = {pool.submit(_outcome_of, key): key for key in runs}
@@ -219,7 +220,8 @@ def _made_by(pool: Workers, folder: Path) -> Iterator[Stage]:
     for item in ITEMS:
         if item.kind not in (*OF_RUNS, *ALONE):
             yield item, here.make(item)
-    fault = trial.result()
+    fault = trial.fault()
+    tell_rendering(fault)
     for item in ITEMS:
         if item.kind in ALONE:
             waiting[pool.submit(_made, here, item, fault)] = item

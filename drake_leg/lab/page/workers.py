@@ -37,7 +37,7 @@ class Workers:
 
     def submit(self, function: Callable[..., Any], *arguments: object) -> Future[Any]:
         """Carry out a function with arguments, all of which can be pickled."""
-        with _without_script():
+        with without_script():
             return self._pool.submit(function, *arguments)
 
 
@@ -59,7 +59,7 @@ def working(count: int) -> Iterator[Workers]:
 
 
 @contextmanager
-def _without_script() -> Iterator[None]:
+def without_script() -> Iterator[None]:
     """Keep a new process from running the script that this one runs, as it would by default."""
     script = sys.modules["__main__"]
     sys.modules["__main__"] = ModuleType("__main__")
