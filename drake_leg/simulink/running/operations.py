@@ -258,8 +258,16 @@ def angles_of(matrix: Array, order: str) -> Array:
 
 def cosines_of(angles: Array, order: str) -> Array:
     """Direction cosine matrix of angles [rad]."""
-    found: Array = Rotation.from_euler(order, angles).as_matrix().T
-    return found
+    rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    for axis, angle in zip(order, angles.tolist(), strict=True):
+        i = ("XYZ".index(axis) + 1) % 3
+        j = (i + 1) % 3
+        c, s = math.cos(angle), math.sin(angle)
+        rows[i], rows[j] = (
+            [c * a + s * b for a, b in zip(rows[i], rows[j], strict=True)],
+            [c * b - s * a for a, b in zip(rows[i], rows[j], strict=True)],
+        )
+    return np.array(rows)
 
 
 def cosines_of_quaternion(q: Array) -> Array:

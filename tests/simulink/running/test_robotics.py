@@ -1,12 +1,14 @@
 """Blocks of the toolboxes for robots: rotations, and a vehicle that follows a path."""
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
 from rigs import Rig, shown
 from scipy.spatial.transform import Rotation
 
+from drake_leg.simulink.running.operations import cosines_of
 from drake_leg.simulink.running.pursuit import pursued
 
 SHARED = "sharedtransform"
@@ -82,3 +84,12 @@ def test_a_vehicle_that_pursues_a_line_comes_to_it(tmp_path):
     t = 2.0 * run.time
     exact = 1e-4 * np.exp(-t) * (np.cos(t) + np.sin(t))
     np.testing.assert_allclose(shown(run, "y"), exact, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    "order", ["".join(o) for o in product("XYZ", repeat=3) if o[0] != o[1] != o[2]]
+)
+def test_direction_cosines_are_of_three_turns(order):
+    angles = np.array([0.3, -1.1, 2.5])
+    expected = Rotation.from_euler(order, angles).as_matrix().T
+    np.testing.assert_allclose(cosines_of(angles, order), expected, atol=1e-15)
