@@ -17,7 +17,7 @@ import numpy as np
 
 from drake_leg.simulink.dynamics.joints import smooth
 from drake_leg.simulink.dynamics.moment import Moment, Place, cross
-from drake_leg.simulink.dynamics.shapes import Corners, Plane, Points, Surface
+from drake_leg.simulink.dynamics.shapes import Box, Corners, Plane, Points, Surface
 from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.multibody.mass import Array
 
@@ -83,6 +83,9 @@ class Touch:
     speed: float = 0.0  # of the slip [m/s]
 
 
+Spot = tuple[int, Array, Array, float]  # the corner, the point, the normal, and how deep it is
+
+
 def contact_axes(normal: Array) -> Array:
     """Return the rotation R_WC of a contact's frame C, whose z is the normal."""
     least = np.eye(3)[np.abs(normal).argmin()]
@@ -121,7 +124,11 @@ class Contact:
 
     def find(self, moment: Moment) -> list[Touch]:
         """List the points at which the two touch; where it measures, the nearest one else."""
-        return [touch for pair in self.pairs for touch in self._between(moment, *pair)]
+        spots = moment.placed_memo.get(self)
+        if not isinstance(spots, list):
+            spots = [spot for pair in self.pairs for spot in self._between(moment, *pair)]
+            moment.placed_memo[self] = spots
+        return [self._touch(moment, *spot) for spot in spots]
 
     def _is_far(self, moment: Moment) -> bool:
         """Tell quickly that the two cannot touch."""
@@ -173,11 +180,13 @@ class Contact:
         seen: Array = points @ (R_WC.T @ R_WS) + (p_WC - p_WS) @ R_WS
         return seen
 
-    def _between(self, moment: Moment, on: Side, of: Side, sign: float) -> list[Touch]:
+    def _between(self, moment: Moment, on: Side, of: Side, sign: float) -> list[Spot]:
         """List corners of one side that are in the other one's surface, or the nearest one."""
         surface, corners = on.surface, of.corners
         assert surface is not None
         assert corners is not None
+        if corners.center is not None and isinstance(surface, Plane | Box):
+            return self._of_center(moment, on, of, sign)
         points = self._seen(moment, on, of)
         distances, normals = surface.signed(points)
         R_WS, p_WS = moment.pose(on.place)
@@ -189,8 +198,23 @@ class Contact:
             depth = radius - float(distances[place])
             at = points[place] - (float(distances[place]) + radius) / 2.0 * normals[place]
             point, normal = R_WS @ at + p_WS, sign * (R_WS @ normals[place])
-            found.append(self._touch(moment, place, point, normal, depth))
+            found.append((place, point, normal, depth))
         return found
+
+    def _of_center(self, moment: Moment, on: Side, of: Side, sign: float) -> list[Spot]:
+        """Do so for one ball or point on a flat surface, in plain numbers, which is faster."""
+        surface, corners = on.surface, of.corners
+        assert isinstance(surface, Plane | Box)
+        assert corners is not None
+        assert corners.center is not None
+        (R_WS, p_WS), (R_WC, p_WC) = moment.pose(on.place), moment.pose(of.place)
+        seen = (R_WC @ corners.center + p_WC - p_WS) @ R_WS
+        distance, outward = surface.nearest(seen.tolist())
+        if distance >= corners.radius and not self._measures:
+            return []
+        normal = R_WS @ np.array(outward)
+        middle = R_WS @ seen + p_WS - (distance + corners.radius) / 2.0 * normal
+        return [(0, middle, sign * normal, corners.radius - distance)]
 
     def _touch(
         self, moment: Moment, index: int, point: Array, normal: Array, depth: float

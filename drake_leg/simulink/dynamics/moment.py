@@ -71,6 +71,7 @@ class Moment:
         self.q, self.v = np.split(self._state, [plant.num_positions()])
         self._forces = MultibodyForces(plant)
         self.memo: dict[object, object] = {}  # by the state alone
+        self.placed_memo: dict[object, object] = {}  # by the positions alone
         self._poses: list[Array | None] = []
         self._twists: list[Array | None] = []
         self._placed: dict[Place, tuple[Array, Array]] = {}
@@ -85,13 +86,18 @@ class Moment:
         """Take another state, positions and velocities."""
         if np.array_equal(state, self._state):
             return
+        q = self.q
         self._state = state.copy()
         self.q, self.v = np.split(self._state, [self.plant.num_positions()])
-        self.plant.SetPositionsAndVelocities(self.context, state)
+        if np.array_equal(q, self.q):  # where things are, and what that costs, stays
+            self.plant.SetVelocities(self.context, self.v)
+        else:
+            self.plant.SetPositionsAndVelocities(self.context, state)
+            self.placed_memo.clear()
+            self._placed.clear()
+            self._poses = [WORLD_POSE] + [None] * (len(self.bodies) - 1)
         self.memo.clear()
-        self._placed.clear()
         self._moving.clear()
-        self._poses = [WORLD_POSE] + [None] * (len(self.bodies) - 1)
         self._twists = [np.zeros(6)] + [None] * (len(self.bodies) - 1)
         self._accelerations = None
 

@@ -7,6 +7,7 @@ the normal points outward.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -53,6 +54,11 @@ class Corners(Protocol):
         ...
 
     @property
+    def center(self) -> Array | None:
+        """Return the only point (3,), if there is but one."""
+        ...
+
+    @property
     def reach(self) -> float:
         """Return the radius of a ball around the origin that holds all of the shape [m]."""
         ...
@@ -72,6 +78,10 @@ class Plane:
         """Return distances and normals."""
         return points[:, 2], np.broadcast_to(UP, points.shape)
 
+    def nearest(self, point: Sequence[float]) -> tuple[float, Sequence[float]]:
+        """Return the distance of one point, and the normal near it."""
+        return point[2], (0.0, 0.0, 1.0)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Points:
@@ -79,6 +89,11 @@ class Points:
 
     points: Array  # (n, 3) [m]
     radius: float = 0.0  # [m]
+
+    @cached_property
+    def center(self) -> Array | None:
+        """Return the only point, if there is but one."""
+        return self.points[0] if len(self.points) == 1 else None
 
     @property
     def reach(self) -> float:
@@ -101,6 +116,21 @@ class Box:
         """Return distances and normals."""
         beyond = np.abs(points) - self.half
         return _from_beyond(beyond, np.where(points < 0.0, -1.0, 1.0))
+
+    def nearest(self, point: Sequence[float]) -> tuple[float, Sequence[float]]:
+        """Return the distance of one point, and the normal near it."""
+        beyond = [abs(x) - half for x, half in zip(point, self._half, strict=True)]
+        signs = [-1.0 if x < 0.0 else 1.0 for x in point]
+        outside = [max(each, 0.0) for each in beyond]
+        apart = math.sqrt(sum(each * each for each in outside))
+        if apart > 0.0:
+            return apart, [each / apart * sign for each, sign in zip(outside, signs, strict=True)]
+        nearest = beyond.index(max(beyond))
+        return beyond[nearest], [sign * (k == nearest) for k, sign in enumerate(signs)]
+
+    @cached_property
+    def _half(self) -> list[float]:
+        return [float(each) for each in self.half]
 
     @cached_property
     def corners(self) -> Points:
@@ -138,17 +168,22 @@ class Ball:
         steep = np.maximum(np.linalg.norm(slope, axis=1), np.finfo(float).tiny)
         return (length - 1.0) * length / steep, slope / steep[:, None]
 
-    @property
+    @cached_property
     def radius(self) -> float:
         """Return the radius of a sphere, whose center is its only corner."""
         return float(self.radii[0]) if self._is_sphere else 0.0
+
+    @cached_property
+    def center(self) -> Array | None:
+        """Return the center of a sphere."""
+        return np.zeros(3) if self._is_sphere else None
 
     @property
     def reach(self) -> float:
         """Return the greatest radius [m]."""
         return float(self.radii.max())
 
-    @property
+    @cached_property
     def _is_sphere(self) -> bool:
         return bool((self.radii == self.radii[0]).all())
 
@@ -167,6 +202,7 @@ class Barrel:
     rim: float  # radius [m]
     half: float  # of its length [m]
     radius: float = 0.0  # of its corners
+    center: Array | None = None  # it has several points
     is_ground: bool = False
 
     def signed(self, points: Array) -> tuple[Array, Array]:
@@ -207,6 +243,7 @@ class Rim:
 
     rim: float  # radius [m]
     radius: float = 0.0  # of its corners
+    center: Array | None = None  # it has several points
 
     @property
     def reach(self) -> float:

@@ -21,7 +21,7 @@ from scipy.integrate import solve_ivp
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.dynamics.contact import ContactLaw
-from drake_leg.simulink.dynamics.shapes import Ball, Barrel, Box, Ground, Hull, Rim
+from drake_leg.simulink.dynamics.shapes import Ball, Barrel, Box, Ground, Hull, Plane, Rim
 
 
 @pytest.mark.slow
@@ -124,6 +124,33 @@ def test_distances_are_drakes(ours, theirs):
     expected, gradients = drakes_distances(theirs, points)
     np.testing.assert_allclose(distances, expected, atol=1e-12)
     np.testing.assert_allclose(normals, gradients, atol=1e-9)
+
+
+@pytest.mark.parametrize("surface", [Box(half=np.array([0.1, 0.2, 0.3])), Plane()])
+def test_one_point_is_as_far_as_among_many(surface):
+    points = np.random.default_rng(1).uniform(-0.4, 0.4, (200, 3))
+    distances, normals = surface.signed(points)
+    found = [surface.nearest(point.tolist()) for point in points]
+    np.testing.assert_allclose([distance for distance, _ in found], distances, atol=1e-15)
+    np.testing.assert_allclose([normal for _, normal in found], normals, atol=1e-15)
+
+
+def test_forces_follow_velocities_where_positions_stay(tmp_path):
+    """What is kept of the positions is not kept of the velocities."""
+    built = falling(0.05)
+    used = dynamics(built, tmp_path)
+    context = used.CreateDefaultContext()
+    start = context.get_continuous_state_vector().CopyToVector()
+    rng = np.random.default_rng(2)
+    for change in (0, 1, 7, 1, 0):  # from which entry on the state changes
+        start[change:] += rng.normal(size=start.size - change) * 1e-3
+        fresh = dynamics(built, tmp_path)
+        rates = []
+        for system, its in ((used, context), (fresh, fresh.CreateDefaultContext())):
+            its.get_mutable_continuous_state_vector().SetFromVector(start)
+            rates.append(system.EvalTimeDerivatives(its).CopyToVector())
+        np.testing.assert_array_equal(*rates)
+    assert rates[0][12] > 10.0 * GRAVITY  # the floor pushes
 
 
 def test_an_ellipsoid_and_a_hilly_ground_are_exact_to_first_order():
