@@ -134,12 +134,11 @@ def read_mechanism(path: Path, chosen: argparse.Namespace) -> Mechanism:
             if chosen.init:
                 raise
         model, used = with_scripts(model, lambda init: opened(path, chosen, init))
-        mechanism = mechanism_of(model)
+        for sentence in taken_from(used):
+            remark(sentence)
+        return mechanism_of(model)
     except InvalidValueError as error:
         raise InvalidValueError(f"{path}: {error}") from None
-    for sentence in taken_from(used):
-        remark(sentence)
-    return mechanism
 
 
 def taken_from(used: Sequence[Suggestion]) -> list[str]:

@@ -190,9 +190,21 @@ def runnable_file(
                     raise
                 model, used = with_scripts(model, with_init, _lacks)
                 said += taken_from(used)
-                ready = ready_to_run(model, said)
+                with _telling(said):
+                    ready = ready_to_run(model, said)
     mechanism = ready.diagram.mechanism
     return model, ready, [*said, *(found_alone(mechanism.only) if mechanism else ())]
+
+
+@contextmanager
+def _telling(said: Sequence[str]) -> Iterator[None]:
+    """Print what is to be said of a model also where it does not run."""
+    try:
+        yield
+    except InvalidValueError:
+        for sentence in said:
+            remark(sentence)
+        raise
 
 
 @contextmanager

@@ -14,7 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from drake_leg.arguments import printable
-from drake_leg.errors import DrakeLegError, InvalidValueError, PictureError, PlaceError
+from drake_leg.errors import (
+    GIVE_A_VALUE,
+    DrakeLegError,
+    InvalidValueError,
+    PictureError,
+    PlaceError,
+)
 from drake_leg.progress import BUDGET, ProgressBar
 from drake_leg.units import require_positive
 
@@ -23,6 +29,9 @@ TRACEBACK = "DRAKE_LEG_TRACEBACK"  # environment variable: print tracebacks of u
 
 _SETTING = re.compile(r"`(?:(?P<name>[a-z][a-z0-9_]*)(?:=(?P<value>[^`]+))?|(?P<other>'[^`]+'))`")
 
+_VALUE = re.compile(
+    rf"{GIVE_A_VALUE}(?P<name>[A-Za-z]\w*)(?P<field>(?:\.\w+)*)(?:, [A-Za-z][\w.]*)*(?! by --)"
+)
 _PLACE = re.compile(r"give a place (?P<too>and a direction )?to '(?P<name>[^']*)'")
 
 
@@ -40,7 +49,18 @@ def as_options(text: object) -> str:
         numbers = "X,Y,Z,DX,DY,DZ" if feature["too"] else "X,Y,Z"
         return f"give --feature '{feature['name']}={numbers}' [m],"
 
-    return _SETTING.sub(written, _PLACE.sub(place, str(text)))
+    return _with_values(_SETTING.sub(written, _PLACE.sub(place, str(text))))
+
+
+def _with_values(text: str) -> str:
+    """Name the options that give values, where a sentence first asks for one."""
+    asked = _VALUE.search(text)
+    if asked is None:
+        return text
+    name = asked["name"]
+    is_struct = bool(asked["field"]) or re.search(rf"\b{name}\.[A-Za-z]", text)
+    by_hand = "" if is_struct else f"--set {name}=1 or "
+    return f"{text[: asked.end()]} by {by_hand}--init FILE{text[asked.end() :]}"
 
 
 def option_of(name: str) -> str:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 from drake_leg.errors import InvalidValueError
@@ -20,11 +21,15 @@ from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.model import Model
 
 MOST_SCRIPTS = 3
+MOST_TRIED = 10  # that set as many variables
 MOST_MODELS = 100  # whose workspaces are looked into
 _SHORT = 4_000  # letters; a longer script does more than run others
 _GOODNESS = {".slx": 0, ".mat": 1, **dict.fromkeys(SCRIPTS, 2)}
 _STARTS = "startup"  # name of a script that a project runs when it is opened
 _DEPTH = 4  # scripts that scripts run
+
+
+Read = Callable[[Sequence[Path]], Model]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,9 +51,16 @@ def suggested_init(
     the model. Those that are as good but for that are its ``others``. What a library lacks may lie
     in the workspace of a model, too. Files in ``without`` are passed over.
     """
+    return next(iter(_suggestions(model, lacks, without)), None)
+
+
+def _suggestions(
+    model: Model, lacks: Iterable[Lack], without: Container[Path]
+) -> Iterator[Suggestion]:
+    """List the files that set what a model lacks, the best first; others are as good as they."""
     missing = _missing(lacks)
     if not missing or model.variables is None:
-        return None
+        return
     folders = model.variables.workspace.folders
     done = set(model.variables.init)
     reader = _Reader(folders, set(missing))
@@ -62,46 +74,84 @@ def suggested_init(
             opens = path.stem.lower().startswith(_STARTS)
             rank = (len(sets), _GOODNESS[path.suffix], opens, len(reader.own[path]))
             ranked.setdefault(rank, []).append(path)
-    if not ranked:
-        return None
-    nearest, *others = ranked[max(ranked)]
-    sets = reader.sets(nearest)
-    names = dict.fromkeys(name.partition(".")[0] for name in missing if name in sets)
-    return Suggestion(path=nearest, names=tuple(names), others=tuple(others))
+    for _, files in sorted(ranked.items(), reverse=True):
+        for path in files:
+            sets = reader.sets(path)
+            names = dict.fromkeys(name.partition(".")[0] for name in missing if name in sets)
+            others = tuple(other for other in files if other != path)
+            yield Suggestion(path=path, names=tuple(names), others=others)
 
 
 def with_scripts(
-    model: Model,
-    read: Callable[[Sequence[Path]], Model],
-    lacks_in: Callable[[Model], Sequence[Lack]] = lacks_of,
+    model: Model, read: Read, lacks_in: Callable[[Model], Sequence[Lack]] = lacks_of
 ) -> tuple[Model, tuple[Suggestion, ...]]:
     """Read a model again with scripts that a person would run first, while it lacks ever less.
 
     ``read`` reads it with such files, and ``lacks_in`` lists what it lacks; the scripts that were
-    used are returned, too.
+    used are returned, too. Where values of a script do not fit, others are tried, and
+    that one is used after which the model lacks least.
     """
     used: tuple[Suggestion, ...] = ()
     useless: list[Path] = []  # what fails or gives nothing, as nobody has asked for it
-    lacks = lacks_in(model)
-    while lacks and max(len(used), len(useless)) < MOST_SCRIPTS:
-        hint = suggested_init(model, lacks, without=useless)
-        if hint is None:
+    now = _Reading(model, lacks_in(model))
+    while now.lacks and max(len(used), len(useless)) < MOST_SCRIPTS:
+        tried: dict[Suggestion, _Reading] = {}
+        for hint in islice(_suggestions(now.model, now.lacks, useless), MOST_TRIED):
+            files = [*(each.path for each in used), hint.path]
+            found = _read_with(files, read, lacks_in)
+            if found is None or found.measure >= now.measure:
+                useless.append(hint.path)
+                if len(useless) == MOST_SCRIPTS:
+                    break
+                continue
+            tried[hint] = found
+            if not found.lacks_by(hint.names):
+                break
+        if not tried:
             break
-        try:
-            again = read([*(each.path for each in used), hint.path])
-            left = lacks_in(again)
-        except InvalidValueError:
-            left = lacks
-        if _measure(left) < _measure(lacks):
-            model, lacks, used = again, left, (*used, hint)
-        else:
-            useless.append(hint.path)
-    return model, used
+        best = min(tried, key=lambda hint: tried[hint].measure)
+        now, used = tried[best], (*used, _among(tried, best, useless))
+    return now.model, used
 
 
-def _measure(lacks: Sequence[Lack]) -> tuple[int, int]:
-    """Tell how much lacks: how many values, and how many names in them."""
-    return len(lacks), len(_missing(lacks))
+@dataclass(frozen=True)
+class _Reading:
+    """A model as it is read with some files, and what it lacks then."""
+
+    model: Model
+    lacks: Sequence[Lack]
+
+    @property
+    def measure(self) -> tuple[int, int]:
+        """How much it lacks: how many values, and how many names in them."""
+        return len(self.lacks), len(_missing(self.lacks))
+
+    def lacks_by(self, names: Iterable[str]) -> bool:
+        """Tell whether a value that is not known uses one of some variables."""
+        used = re.compile(rf"\b(?:{'|'.join(map(re.escape, names))})\b")
+        return any(used.search(lack.text) for lack in self.lacks)
+
+
+def _read_with(
+    files: Sequence[Path], read: Read, lacks_in: Callable[[Model], Sequence[Lack]]
+) -> _Reading | None:
+    """Read a model with files of values; None where one fails."""
+    try:
+        model = read(files)
+        return _Reading(model, lacks_in(model))
+    except InvalidValueError:
+        return None
+
+
+def _among(
+    tried: Mapping[Suggestion, _Reading], best: Suggestion, useless: Container[Path]
+) -> Suggestion:
+    """Name with the best of the files that were tried those that are as good, or not tried."""
+    measures = {hint.path: reading.measure for hint, reading in tried.items()}
+    least = measures.pop(best.path)
+    equal = [path for path in measures if measures[path] == least]
+    untried = [path for path in best.others if path not in measures and path not in useless]
+    return replace(best, others=(*equal, *untried))
 
 
 def _missing(lacks: Iterable[Lack]) -> dict[str, None]:

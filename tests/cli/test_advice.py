@@ -14,6 +14,19 @@ from drake_leg.errors import LostMotionError, OutputError, PlaceError
         ("`force=True` goes on", "--force goes on"),
         ("give `push=(0, 0, 0.1)`", "give --push 0,0,0.1"),
         ("the name `Own Name` stays", "the name `Own Name` stays"),
+        (
+            "Mass is 'm': give a value of m\n  Gain is 'K': give a value of K",
+            "Mass is 'm': give a value of m by --set m=1 or --init FILE\n"
+            "  Gain is 'K': give a value of K",
+        ),
+        (
+            "Mass is 'leg.m': give a value of leg",
+            "Mass is 'leg.m': give a value of leg by --init FILE",
+        ),
+        (
+            "give a value of leg.m (1 more needs it)",
+            "give a value of leg.m by --init FILE (1 more needs it)",
+        ),
     ],
 )
 def test_settings_become_options(library, command_line):

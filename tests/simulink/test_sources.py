@@ -420,6 +420,27 @@ def test_scripts_that_set_as_many_are_told(tmp_path):
     assert (found.path, found.others) == (tmp_path / "setup.m", (far / "setup.m",))
 
 
+def test_of_scripts_the_one_whose_values_fit_is_used(tmp_path):
+    """As of data files of several arms, only some of which have as many parts as the model."""
+    for name, code in (
+        ("all", "arm.mass = [1 2]; g = 9.8;"), ("b", "arm.mass = [1 2 3];"),
+        ("c", "arm.mass = [4 5 6];"), ("gone", "arm.mass = gone;"),
+    ):  # fmt: skip
+        (tmp_path / f"{name}.m").write_text(code)
+    builder = one_gain("arm.mass(3)")
+    builder.add_block("Gain", "J", {"Gain": "arm.mass(2)"})
+    path = builder.write(tmp_path / "m.slx")
+
+    def values():
+        model, used = with_scripts(read_model(path), lambda init: read_model(path, init=init))
+        return len(lacks_of(model)), [(each.path.name, each.others) for each in used]
+
+    assert values() == (0, [("b.m", (tmp_path / "c.m", tmp_path / "gone.m"))])
+    for name in ("b", "c"):
+        (tmp_path / f"{name}.m").unlink()
+    assert values() == (1, [("all.m", ())])
+
+
 def test_nothing_is_suggested_where_nothing_helps(tmp_path):
     (tmp_path / "a.m").write_text("other = 1;")
     assert suggested(one_gain("m1").write(tmp_path / "m.slx")) is None
