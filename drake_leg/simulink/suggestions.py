@@ -74,11 +74,11 @@ def _suggestions(
             opens = path.stem.lower().startswith(_STARTS)
             rank = (len(sets), _GOODNESS[path.suffix], opens, len(reader.own[path]))
             ranked.setdefault(rank, []).append(path)
-    for _, files in sorted(ranked.items(), reverse=True):
-        for path in files:
+    for _, equal in sorted(ranked.items(), reverse=True):
+        for path in equal:
             sets = reader.sets(path)
             names = dict.fromkeys(name.partition(".")[0] for name in missing if name in sets)
-            others = tuple(other for other in files if other != path)
+            others = tuple(other for other in equal if other != path)
             yield Suggestion(path=path, names=tuple(names), others=others)
 
 
