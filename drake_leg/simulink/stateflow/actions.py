@@ -113,6 +113,7 @@ _FROM_C = (
     (re.compile(r"(?<!\|)\|(?!\|)"), "||"),
 )
 _CHANGED = re.compile(r"(\b[A-Za-z][\w.]*)\s*([-+*/])=\s*([^;=\n][^;\n]*)")
+_INDEXED = re.compile(r"(\b[A-Za-z]\w*)((?:\[[^\[\]]+\])+)")
 _FOREIGN = re.compile(r"[?%\[\]#\"]|<<|>>|->")
 
 
@@ -122,8 +123,10 @@ def from_c(text: str, *, has_t: bool) -> str:
     Raises
     ------
     InvalidValueError
-        If it has what is not translated: indices, strings, pointers.
+        If it has what is not translated: strings, pointers, shifts.
     """
+    while _INDEXED.search(text):
+        text = _INDEXED.sub(_from_one, text)
     if (foreign := _FOREIGN.search(text)) is not None:
         raise InvalidValueError(
             f"has {foreign.group(0)!r} in an action of C, which does not run: make the chart's "
@@ -134,3 +137,12 @@ def from_c(text: str, *, has_t: bool) -> str:
     text = text.replace("++=", "+=").replace("--=", "-=")
     text = _CHANGED.sub(r"\1 = \1 \2 (\3)", text)
     return text if has_t else re.sub(r"(?<![\w.])t(?!\w)", NOW, text)
+
+
+def _from_one(found: re.Match[str]) -> str:
+    """Count indices from 1: ``A[0][n]`` is ``A(1, n + 1)``."""
+    indices = re.findall(r"\[([^\[\]]+)\]", found.group(2))
+    shifted = [
+        str(int(each) + 1) if each.strip().isdecimal() else f"{each} + 1" for each in indices
+    ]
+    return f"{found.group(1)}({', '.join(shifted)})"

@@ -74,9 +74,7 @@ class _Reader:
             elif child.tag == "data":
                 self._read_data(child, state)
             elif child.tag == "event":
-                raise InvalidValueError(
-                    f"has the event {child.get('name', '')!r}, which does not run"
-                )
+                raise InvalidValueError(f"has the event {_name(child)!r}, which does not run")
         state.states.sort(key=lambda each: each.order)
 
     def _read_state(self, parent: State, element: Element) -> None:
@@ -131,7 +129,7 @@ class _Reader:
         )
 
     def _read_data(self, element: Element, state: State) -> None:
-        texts, name = parameters(element), element.get("name", "")
+        texts, name = parameters(element), _name(element)
         scope = texts.get("scope", "LOCAL_DATA")
         if scope not in _SCOPES:
             raise InvalidValueError(f"has the data {name!r} in {scope}, which do not run")
@@ -178,6 +176,10 @@ def _type(text: str, name: str) -> str:
 def _children(element: Element) -> Iterator[Element]:
     for holder in element.findall("Children"):
         yield from holder
+
+
+def _name(element: Element) -> str:
+    return element.get("name") or parameters(element).get("name", "")
 
 
 def _order(texts: dict[str, str]) -> int:

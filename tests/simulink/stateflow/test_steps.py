@@ -237,6 +237,17 @@ def test_actions_of_c_are_translated():
     assert [y for (y,) in found] == pytest.approx([1.0, 13.0, 27.0, 4.0 + 0.3])
 
 
+def test_indices_of_c_count_from_zero():
+    made = Drawing(language="")
+    made.data("OUTPUT", "y")
+    made.data("LOCAL", "n", initial="1")
+    made.data("LOCAL", "A", initial="[1 2; 3 4]")
+    made.data("LOCAL", "v", initial="[5 6 7]")
+    made.state("A1", "\nentry: v[n] = 60; y = A[0][1] + 10*v[n] + 100*v[n + n];")
+    made.way("", "A1")
+    assert made.steps(()) == [(2.0 + 600.0 + 700.0,)]
+
+
 def test_data_have_their_sizes_and_types():
     made = Drawing()
     made.data("INPUT", "u")
@@ -266,6 +277,7 @@ def test_names_of_data_are_left_to_them():
     [
         (lambda c: c.way("On", "Off", "tripped", order=2), "waits for the event 'tripped'"),
         (lambda c: c.add('<event name="go"/>'), "has the event 'go'"),
+        (lambda c: c.add('<event><P Name="name">go</P></event>'), "has the event 'go'"),
         (lambda c: c.junction("H", kind="HISTORY_JUNCTION"), "has a history junction"),
         (lambda c: c.state("P", "\non go: y = 1;"), r"'on go:' in its state 'P'.* transition"),
         (lambda c: c.state("P", "\nentry: send(go);"), "calls 'send'"),
