@@ -107,20 +107,22 @@ class Map(Object):
         return sorted(self.items)
 
 
+_OPTIONS = ("KeyType", "ValueType", "UniformValues")
+
+
 def _map(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
     """``containers.Map(keys, values)``, or of key types alone."""
     plain, options = list(arguments), {}
-    while len(plain) >= 2 and plain[-2] in ("KeyType", "ValueType", "UniformValues"):
+    while len(plain) >= 2 and isinstance(plain[-2], str) and plain[-2] in _OPTIONS:
         options[str(plain[-2])], plain = plain[-1], plain[:-2]
     if len(plain) > 2:
         raise MatlabError("'containers.Map' takes keys and values")
-    keys = _list(plain[0]) if plain else []
+    several = bool(plain) and (isinstance(plain[0], Cell) or _counted(plain[0]) > 1)
+    keys = (_each(plain[0]) if several else [plain[0]]) if plain else []
     numeric = str(options.get("KeyType", "char")) not in ("char", "string")
     made = Map(numeric=numeric if not keys else not isinstance(keys[0], str))
-    several = bool(plain) and isinstance(plain[0], Cell)
     if len(plain) == 2:
-        values = _list(plain[1]) if several else [plain[1]]
-        values *= len(keys) if len(values) == 1 else 1
+        values = _each(plain[1]) if several else [plain[1]]
     else:
         values = [np.zeros((0, 0))] * len(keys)
     if len(values) != len(keys):
@@ -132,6 +134,17 @@ def _map(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Val
 
 def _list(value: Any) -> list[Any]:
     return list(value.items.ravel(order="F")) if isinstance(value, Cell) else [value]
+
+
+def _counted(value: Any) -> int:
+    return 1 if isinstance(value, str) else int(np.size(value))
+
+
+def _each(value: Any) -> list[Any]:
+    """Return the elements of a cell array, or of an array of numbers."""
+    if isinstance(value, np.ndarray):
+        return [settled(element) for element in value.ravel(order="F")]
+    return _list(value)
 
 
 def _row(values: list[Any]) -> Cell:

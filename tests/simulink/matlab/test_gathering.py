@@ -37,6 +37,27 @@ def test_elements_are_gathered(text, expected):
     np.testing.assert_allclose(found.evaluate("r").ravel(), expected, atol=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("m = containers.Map({'x','y'}, [10 20]); r = [m('x') m('y')];", [10, 20]),
+        ("m = containers.Map([3 1 2], {30, 10, 20}); r = [m(1) m(2) m(3)];", [10, 20, 30]),
+        ("m = containers.Map([3 1], [30 10]); r = [m.Count m(1)];", [2, 10]),
+        ("m = containers.Map('x', [1 2]); r = m('x');", [1, 2]),
+        ("m = containers.Map({'x'}, {[1 2]}); r = m('x');", [1, 2]),
+    ],
+)
+def test_a_map_has_a_value_for_each_key(text, expected):
+    found = ran(text)
+    assert not found.skipped
+    np.testing.assert_array_equal(found.evaluate("r").ravel(), expected)
+
+
+def test_a_map_without_a_value_for_each_key_is_refused():
+    (skipped,) = ran("m = containers.Map({'x','y'}, 5);").skipped
+    assert "2 keys and 1 values" in str(skipped)
+
+
 def test_a_map_is_shared():
     found = ran(
         "m = containers.Map; m('b') = 1; m('a') = [1 2]; other = m; other('z') = 3;\n"
