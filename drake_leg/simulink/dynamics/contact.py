@@ -17,7 +17,7 @@ import numpy as np
 
 from drake_leg.simulink.dynamics.joints import smooth
 from drake_leg.simulink.dynamics.moment import Moment, Place, cross
-from drake_leg.simulink.dynamics.shapes import Box, Corners, Plane, Points, Surface
+from drake_leg.simulink.dynamics.shapes import Box, Corners, Hull, Plane, Points, Surface
 from drake_leg.simulink.dynamics.wrenches import Wrenches
 from drake_leg.simulink.multibody.mass import Array
 
@@ -188,17 +188,21 @@ class Contact:
         if corners.center is not None and isinstance(surface, Plane | Box):
             return self._of_center(moment, on, of, sign)
         points = self._seen(moment, on, of)
+        radius = corners.radius
+        places = np.arange(len(points))
+        if isinstance(surface, Hull):  # each distance from one takes long
+            places = surface.candidates(points, radius)
+            points = points[places]
         distances, normals = surface.signed(points)
         R_WS, p_WS = moment.pose(on.place)
-        radius = corners.radius
         inside = np.flatnonzero(distances < radius).tolist()
         found = []
         nearest = [int(distances.argmin())] if self._measures else []
-        for place in inside or nearest:
-            depth = radius - float(distances[place])
-            at = points[place] - (float(distances[place]) + radius) / 2.0 * normals[place]
-            point, normal = R_WS @ at + p_WS, sign * (R_WS @ normals[place])
-            found.append((place, point, normal, depth))
+        for k in inside or nearest:
+            depth = radius - float(distances[k])
+            at = points[k] - (float(distances[k]) + radius) / 2.0 * normals[k]
+            point, normal = R_WS @ at + p_WS, sign * (R_WS @ normals[k])
+            found.append((int(places[k]), point, normal, depth))
         return found
 
     def _of_center(self, moment: Moment, on: Side, of: Side, sign: float) -> list[Spot]:

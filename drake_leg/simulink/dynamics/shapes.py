@@ -7,12 +7,13 @@ the normal points outward.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from drake_leg.errors import InvalidValueError
@@ -29,6 +30,7 @@ from drake_leg.simulink.multibody.solids import (
 
 UP = np.array([0.0, 0.0, 1.0])
 NEAR = 1.0  # times the size of a hull, up to which the distance from it is exact
+PAIRS = 50_000  # of points and faces, at once
 FAR = 1e9  # [m], the distance of what cannot touch
 
 
@@ -279,35 +281,63 @@ class Hull:
         nearest = beyond.argmax(axis=1)
         distances = beyond[np.arange(len(points)), nearest]
         normals = self._faces[nearest]
-        near = (distances > 0.0) & (distances < NEAR * self._size)
-        for place in np.flatnonzero(near).tolist():
-            across = points[place] - nearest_of(self._triangles, points[place])
-            length = float(np.linalg.norm(across))
-            if length > 0.0:
-                distances[place], normals[place] = length, across / length
+        near = np.flatnonzero((distances > 0.0) & (distances < NEAR * self._size))
+        if near.size:
+            across = points[near] - nearest_of(self._triangles, points[near])
+            lengths = np.linalg.norm(across, axis=1)
+            off = lengths > 0.0
+            distances[near[off]] = lengths[off]
+            normals[near[off]] = across[off] / lengths[off, None]
         return distances, normals
 
+    def candidates(self, points: Array, radius: float) -> NDArray[np.intp]:
+        """Return the places of points that may be nearest to it, and of those within a radius.
 
-def nearest_of(triangles: Array, point: Array) -> Array:
-    """Return the point of triangles (n, 3, 3) that is nearest to a point (3,)."""
+        No point is nearer than the planes of the faces say.
+        """
+        bounds = _in_blocks(
+            lambda block: (block @ self._faces.T + self._offsets).max(axis=1),
+            points,
+            len(self._faces),
+        )
+        least = bounds.argmin()
+        most = max(float(self.signed(points[[least]])[0][0]), float(bounds[least]), radius)
+        return np.flatnonzero(~(bounds > most))  # all, where nothing is known
+
+
+def nearest_of(triangles: Array, points: Array) -> Array:
+    """Return the points of triangles (n, 3, 3) that are nearest to points (k, 3)."""
+    return _in_blocks(lambda block: _nearest_of(triangles, block), points, len(triangles))
+
+
+def _in_blocks(of: Callable[[Array], Array], points: Array, faces: int) -> Array:
+    """Compute something of points and faces, a bounded number of pairs at a time."""
+    count = max(1, PAIRS // faces)
+    return np.concatenate([of(points[k : k + count]) for k in range(0, len(points), count)])
+
+
+def _nearest_of(triangles: Array, points: Array) -> Array:
     a, b, c = triangles.transpose(1, 0, 2)
-    found = [_on_edge(p, q, point) for p, q in ((a, b), (b, c), (c, a))]
+    point = points[:, np.newaxis]
     across = np.cross(b - a, c - a)
-    square = np.maximum((across**2).sum(axis=1), np.finfo(float).tiny)
-    plumb = point - (((point - a) * across).sum(axis=1) / square)[:, None] * across
-    inside = np.ones(len(a), dtype=bool)
+    square = np.maximum((across**2).sum(axis=-1), np.finfo(float).tiny)
+    plumb = point - (((point - a) * across).sum(axis=-1) / square)[..., np.newaxis] * across
+    outside = np.zeros(plumb.shape[:2], dtype=bool)
     for p, q in ((a, b), (b, c), (c, a)):
-        inside &= (np.cross(q - p, plumb - p) * across).sum(axis=1) >= 0.0
-    candidates = np.vstack([*found, plumb[inside]])
-    nearest: Array = candidates[((candidates - point) ** 2).sum(axis=1).argmin()]
+        outside |= (np.cross(q - p, plumb - p) * across).sum(axis=-1) < 0.0
+    edges = [_on_edge(p, q, point) for p, q in ((a, b), (b, c), (c, a))]
+    candidates = np.concatenate([*edges, plumb], axis=1)
+    squares = ((candidates - point) ** 2).sum(axis=-1)
+    squares[:, 3 * len(a) :][outside] = np.inf
+    nearest: Array = candidates[np.arange(len(points)), squares.argmin(axis=1)]
     return nearest
 
 
 def _on_edge(p: Array, q: Array, point: Array) -> Array:
     edge = q - p
-    square = np.maximum((edge**2).sum(axis=1), np.finfo(float).tiny)
-    share = np.clip(((point - p) * edge).sum(axis=1) / square, 0.0, 1.0)
-    on: Array = p + share[:, None] * edge
+    square = np.maximum((edge**2).sum(axis=-1), np.finfo(float).tiny)
+    share = np.clip(((point - p) * edge).sum(axis=-1) / square, 0.0, 1.0)
+    on: Array = p + share[..., np.newaxis] * edge
     return on
 
 

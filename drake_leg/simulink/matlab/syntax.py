@@ -33,6 +33,7 @@ COMMANDS = frozenset(  # words whose rest of the line may be text, whatever sign
         "more",
         "open",
         "pkg",
+        "print",
         "rmpath",
         "run",
         "save",
@@ -59,6 +60,7 @@ _LOOSE = re.compile(r"[ \t\f\v\n]|\.\.\.|$")  # after a sign that joins two oper
 _TEXTS = {"'": re.compile(r"'((?:[^'\n]|'')*)'"), '"': re.compile(r'"((?:[^"\n]|"")*)"')}
 _OPENING = {")": "(", "]": "[", "}": "{"}
 _COMMAND = re.compile(r"(?P<name>[A-Za-z]\w*)[ \t]+(?P<rest>[^\n=;,%(][^\n;,%]*)", re.ASCII)
+_OPTION = re.compile(r"-[A-Za-z]\w*[ \t]+\w")  # of a command; no expression goes on so
 _BLOCK = re.compile(r"[ \t]*(\([ \w,]*\))?[ \t]*(%[^\n]*)?\n")  # after ``arguments``
 _SHELL = re.compile(r"!(?P<rest>[^\n]*)")
 
@@ -176,6 +178,8 @@ class _Scanner:
         first, after = found["rest"][0], self._text[found.end() : found.end() + 1]
         if found["name"] in COMMANDS:
             return found if not re.match(r"[-+*/^<>&|~]\s", found["rest"]) else None
+        if _OPTION.match(found["rest"]):
+            return found
         plain = first.isalnum() and not re.match(r"\w+\s*[.(=]", found["rest"])
         return found if plain and after != "(" and "=" not in found["rest"] else None
 

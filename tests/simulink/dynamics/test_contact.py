@@ -20,6 +20,7 @@ from pydrake.math import RigidTransform
 from scipy.integrate import solve_ivp
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.dynamics import shapes
 from drake_leg.simulink.dynamics.contact import ContactLaw
 from drake_leg.simulink.dynamics.shapes import Ball, Barrel, Box, Ground, Hull, Plane, Rim
 
@@ -151,6 +152,22 @@ def test_forces_follow_velocities_where_positions_stay(tmp_path):
             rates.append(system.EvalTimeDerivatives(its).CopyToVector())
         np.testing.assert_array_equal(*rates)
     assert rates[0][12] > 10.0 * GRAVITY  # the floor pushes
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.5])
+def test_points_that_may_be_nearest_to_a_hull_are_found_by_its_planes(radius, monkeypatch):
+    rng = np.random.default_rng(1)
+    hull = Hull(rng.normal(size=(12, 3)))
+    points = rng.normal(size=(200, 3), loc=(4.0, 0.0, 0.0))
+    distances, normals = hull.signed(points)
+    places = hull.candidates(points, radius)
+    assert {int(distances.argmin()), *np.flatnonzero(distances < radius).tolist()} <= {*places}
+    assert len(places) < len(points) / 2
+    assert len(hull.candidates(points * math.nan, radius)) == len(points)
+    monkeypatch.setattr(shapes, "PAIRS", 7)
+    np.testing.assert_array_equal(hull.candidates(points, radius), places)
+    for found, expected in zip(hull.signed(points), (distances, normals), strict=True):
+        np.testing.assert_array_equal(found, expected)
 
 
 def test_an_ellipsoid_and_a_hilly_ground_are_exact_to_first_order():
