@@ -157,13 +157,16 @@ def test_the_peers_right_sides_agree_with_differences_of_the_exact_motion(deriva
 
 def test_the_docs_promise_what_ci_checks_and_the_measured_table_keeps_it():
     lines = table.PAGE.read_text(encoding="utf-8").splitlines()
-    shown, case = {}, None
+    shown, case, cases = {}, None, set()
     for line in lines:
         row = [part.strip() for part in line.split("|")[1:-1]]
         if len(row) != len(table.HEADS):
             continue
         case = row[0] or case
+        cases.add(case)
         if row[-1].startswith("≥"):
             shown.setdefault(case, {})[row[1]] = float(row[-1].removeprefix("≥"))
             assert float(row[-2].replace(" ", "")) >= shown[case][row[1]], line
-    assert shown == table.read_promises()
+    promises = table.read_promises()
+    assert shown == {case: least for case, least in promises.items() if case in cases}
+    assert shown

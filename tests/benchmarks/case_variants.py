@@ -27,6 +27,7 @@ class Variant(NamedTuple):
     options: dict
     converged: float = 0.001  # [s]
     robot: str = "leg-b"
+    only_ours: dict | None = None  # what the older checkout does without being told
     effect: str = ""  # entry of the disturbance that is not zero where the option acts
 
 
@@ -44,6 +45,7 @@ def variants():
     """All of them; each differs from the plain step in one thing."""
     return [
         Variant("plain step", {}),
+        Variant("forward dynamics", {}, only_ours={"dynamics": "forward"}),
         Variant("damped inverse", {"inverse": "damped"}),
         Variant("limited inverse", {"inverse": "limited"}),
         Variant("push", {"push": [0.0, 0.0, 0.1]}),
@@ -91,7 +93,8 @@ def contests(short, crew):
                 "run",
                 error=converged(crew, variant),
                 robot=variant.robot,
-                options={"duration": DURATION, **variant.options},
+                options={"duration": DURATION, **variant.options, **(variant.only_ours or {})},
+                old={"options": {"duration": DURATION, **variant.options}},
             ),
         )
         for variant in variants()

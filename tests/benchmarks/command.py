@@ -65,7 +65,7 @@ def main(words=None):
 
 def _parser():
     parser = argparse.ArgumentParser(prog="python tests/benchmarks", description=__doc__)
-    parser.add_argument("--short", action="store_true", help="less than 40 s; what CI runs")
+    parser.add_argument("--short", action="store_true", help="less than a minute; what CI runs")
     parser.add_argument(
         "--check", action="store_true", help="fail below half of what the docs promise"
     )

@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 AXES = ("x", "y", "z")
+FIGURE = "b09"  # of the report: positions of the foot
 DIFFERENT = 1  # status of a comparison that was carried out, of a model that is not the leg's
 
 
@@ -47,6 +48,26 @@ def command(words):
         )
         seconds = time.perf_counter() - began
     return {"seconds": seconds, "status": done.returncode, "said": done.stderr[-500:]}
+
+
+def imports_of(modules):
+    """Import modules in a process of its own; its time by the wall."""
+    began = time.perf_counter()
+    subprocess.run([sys.executable, "-P", "-c", f"import {', '.join(modules)}"], check=True)
+    return {"seconds": time.perf_counter() - began}
+
+
+def figure_of():
+    """Make one figure of the report, in all its files and for its page."""
+    from drake_leg.lab.page.contents import RUNS
+    from drake_leg.lab.page.items import ItemMaker, ShownItem
+    from drake_leg.lab.page.page import ITEMS
+
+    (item,) = (item for item in ITEMS if item.id == FIGURE)
+    with tempfile.TemporaryDirectory() as folder:
+        outcomes = {item.subject: RUNS[item.subject].carry_out()}
+        maker = ItemMaker(folder=Path(folder), outcomes=outcomes)
+        return _took(lambda: maker.make(item), lambda made: isinstance(made, ShownItem))
 
 
 def check_of(joints):
@@ -113,6 +134,22 @@ def poses_of(count):
     return {**took, "megabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0}
 
 
+def memory_of(count):
+    """Carry out so many runs, and tell by how much they have grown after the first tenth [MiB]."""
+    from benchmarks.memory import megabytes
+
+    from drake_leg import run
+
+    def repeat(times):
+        for _ in range(times):
+            run("leg-b", dynamics="none", duration=0.5)
+
+    repeat(count // 10)
+    first = megabytes()
+    took = _took(lambda: repeat(count - count // 10))
+    return {**took, "grown": megabytes() - first}
+
+
 def _took(work, is_right=lambda answer: True):
     """Time some work, and refuse a wrong answer."""
     began = time.process_time()
@@ -130,6 +167,9 @@ TASKS = {
     "compare": compare_of,
     "picture": picture_of,
     "poses": poses_of,
+    "memory": memory_of,
+    "figure": figure_of,
+    "imports": imports_of,
 }
 
 
