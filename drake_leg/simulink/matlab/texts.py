@@ -12,6 +12,7 @@ import numpy as np
 from drake_leg.simulink.matlab.data import (
     Allowance,
     Cell,
+    LackError,
     Text,
     array_of,
     boxed,
@@ -70,7 +71,7 @@ def _one(match: re.Match[str], value: Any) -> str:
     flags, width, digits, kind = match[1] or "", match[2] or "", match[3], match[4]
     point = f".{digits}" if digits is not None else ""
     if kind in "sc":
-        text = value if isinstance(value, str) else short(value)
+        text = value if isinstance(value, str) else _letter(value)
         return str(f"%{flags.replace('0', '')}{width}{point}s" % text)
     if isinstance(value, str):
         if len(value) != 1:
@@ -81,6 +82,12 @@ def _one(match: re.Match[str], value: Any) -> str:
             return str(f"%{flags}{width}{'d' if kind in 'diu' else kind}" % int(value))
         kind = "f" if point else "e"
     return str(f"%{flags}{width}{point}{kind}" % value)
+
+
+def _letter(value: float) -> str:
+    """Return a number where a text is asked for: a whole one is the code of a letter."""
+    is_code = float(value).is_integer() and 0.0 <= value < 0x110000
+    return chr(int(value)) if is_code else f"{value:e}"
 
 
 def short(value: float) -> str:
@@ -138,11 +145,12 @@ def _compared(test: Callable[..., bool]) -> Callable[..., Any]:
 
 
 def _str2num(text: Any) -> Any:
-    words = re.split(r"[\s,]+", str(text).strip().strip("[]").strip())
+    rows = [row.split() for row in re.split(r"[;\n]", re.sub(r"[\[\],]", " ", str(text)))]
     try:
-        return settled(np.array([[float(word) for word in words]]))
+        numbers = [[float(word) for word in row] for row in rows if row]
+        return settled(np.array(numbers, ndmin=2)) if numbers else np.zeros((0, 0))
     except ValueError:
-        return np.zeros((0, 0))
+        raise LackError(f"'str2num' reads numbers alone, not {str(text)[:60]!r}") from None
 
 
 def _str2double(text: Any) -> Any:

@@ -145,3 +145,16 @@ def test_no_function_that_calls_others_breaks_on_any_value(value):
     for line in code.splitlines():
         workspace.run(line, name="s.m")
     assert all(0 < len(str(one)) < 400 for one in workspace.skipped)
+
+
+def test_numbers_are_read_from_texts_and_nothing_else():
+    found = ran("r = str2num('[1 2; 3 4]'); e = isempty(str2num('')); x = str2num('[1 2]*2');")
+    np.testing.assert_array_equal(found.evaluate("r"), [[1, 2], [3, 4]])
+    assert found.evaluate("e")
+    (skipped,) = found.skipped
+    assert "'str2num' reads numbers alone, not '[1 2]*2'" in str(skipped)
+
+
+def test_a_number_printed_as_text_is_a_letter_if_it_is_whole():
+    found = ran("r = sprintf('%s|%c|%s', 72, 105, 0.5);")
+    assert str(found.evaluate("r")) == "H|i|5.000000e-01"
