@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any, Literal
@@ -429,3 +430,11 @@ def beyond(position: float, low: float, high: float) -> float:
     if position < low - AT_LIMIT:
         return position - low
     return position - high if position > high + AT_LIMIT else 0.0
+
+
+def plain_number(value: float, digits: int) -> str:
+    """Write a number with so many digits and without an exponent: ``12000``, ``0.00012``.
+
+    Python's ``g`` writes 10000 with four digits as ``1e+04``.
+    """
+    return format(Decimal(f"{value + 0.0:.{digits}g}"), "f")

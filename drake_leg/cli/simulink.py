@@ -19,8 +19,10 @@ from drake_leg.cli.model_files import (
     asked_for,
     is_model,
     opened,
+    refuse_model_options,
 )
 from drake_leg.cli.run_options import add_run_options, fields_by_name, options_of
+from drake_leg.cli.step_file import is_step, listed_step
 from drake_leg.cli.terminal import FAILED, option_of, refuse_ignored, remark
 from drake_leg.errors import InvalidValueError
 from drake_leg.progress import uncollected
@@ -40,9 +42,12 @@ def configure_inspect(parser: argparse.ArgumentParser) -> None:
     """Describe the command and its options."""
     parser.description = (
         "Tell what a Simulink model is: its kinds of blocks, its solver, and what is not "
-        "understood. No MATLAB is needed, and nothing in the file is executed."
+        "understood. No MATLAB is needed, and nothing in the file is executed. Of a STEP file, "
+        "list where its faces, edges and corners lie, on which frames of a model may be."
     )
-    parser.add_argument("model", type=Path, metavar="MODEL.slx", help="file saved by Simulink")
+    parser.add_argument(
+        "model", type=Path, metavar="MODEL.slx", help="file saved by Simulink, or a STEP file"
+    )
     form = parser.add_mutually_exclusive_group()
     form.add_argument(
         "--blocks",
@@ -58,12 +63,24 @@ def configure_inspect(parser: argparse.ArgumentParser) -> None:
 def _inspect(chosen: argparse.Namespace) -> int:
     from drake_leg.simulink.listing import as_json, as_lines, as_summary
 
+    if is_step(chosen.model):
+        return _inspect_step(chosen)
     model = opened(chosen.model, chosen)
     if chosen.json:
         print(json.dumps(as_json(model), indent=2, allow_nan=False), flush=True)
     else:
         lines = as_lines(model) if chosen.blocks else as_summary(model)
         print("\n".join([*lines, *asked_for(model)]), flush=True)
+    return 0
+
+
+def _inspect_step(chosen: argparse.Namespace) -> int:
+    refuse_model_options(chosen)
+    refuse_ignored(
+        {"--blocks": chosen.blocks, "--json": chosen.json, "--set": bool(chosen.numbers)},
+        "is for Simulink models and means nothing here",
+    )
+    print("\n".join(listed_step(chosen.model)), flush=True)
     return 0
 
 

@@ -34,6 +34,8 @@ _VALUE = re.compile(
 )
 _PLACE = re.compile(r"give a place (?P<too>and a direction )?to '(?P<name>[^']*)'")
 
+_CANDIDATE = re.compile(r"place '(?P<name>[^'\n]*)' at (?P<at>[-+.,e\d]+) \((?P<what>[^)\n]*)\)")
+
 
 def as_options(text: object) -> str:
     """Rewrite the settings in a sentence of the library as options."""
@@ -49,7 +51,8 @@ def as_options(text: object) -> str:
         numbers = "X,Y,Z,DX,DY,DZ" if feature["too"] else "X,Y,Z"
         return f"give --feature '{feature['name']}={numbers}' [m],"
 
-    return _with_values(_SETTING.sub(written, _PLACE.sub(place, str(text))))
+    text = _CANDIDATE.sub(r"--feature '\g<name>=\g<at>'  # \g<what>", str(text))
+    return _with_values(_SETTING.sub(written, _PLACE.sub(place, text)))
 
 
 def _with_values(text: str) -> str:

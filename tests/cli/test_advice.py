@@ -15,6 +15,10 @@ from drake_leg.errors import LostMotionError, OutputError, PlaceError
         ("give `push=(0, 0, 0.1)`", "give --push 0,0,0.1"),
         ("the name `Own Name` stays", "the name `Own Name` stays"),
         (
+            "place 'a b.step:point 3' at 0.1,-2e-05,0 (1 of 12, area 3 mm²)",
+            "--feature 'a b.step:point 3=0.1,-2e-05,0'  # 1 of 12, area 3 mm²",
+        ),
+        (
             "Mass is 'm': give a value of m\n  Gain is 'K': give a value of K",
             "Mass is 'm': give a value of m by --set m=1 or --init FILE\n"
             "  Gain is 'K': give a value of K",

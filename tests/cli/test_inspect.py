@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from cad_files import open_cascade, write
 from slx_models import published_leg, published_pendulum
 from slx_writer import ModelBuilder, mask_text
 
@@ -244,3 +245,26 @@ def test_a_closed_pipe_is_no_traceback(leg, words):
         process.stdout.close()
         assert b"Traceback" not in process.stderr.read()
         assert process.wait() == 0
+
+
+@pytest.mark.slow
+def test_a_step_file_lists_its_features(capsys, tmp_path):
+    open_cascade()
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+
+    path = write(tmp_path / "box.step", BRepPrimAPI_MakeBox(10.0, 20.0, 30.0).Shape())
+    status, out, err = inspected(capsys, path)
+    lines = out.splitlines()
+    assert (status, err) == (0, "")
+    assert {"planar surfaces (6)", "segments (12)", "points (8)"} < set(lines)
+    assert "  0.01,0.01,0.015,1,0,0  area 600 mm²" in lines
+    assert lines[-1].startswith("--feature 'box.step:planar surface 1=")
+    for option in ("--json", "--blocks", "--set=a=1", "--init=a.m"):
+        status, out, err = inspected(capsys, path, option)
+        assert (status, out) == (2, "")
+        assert f"{option.split('=')[0]} is for Simulink models and means nothing here" in err
+    path.write_text("no STEP")
+    _, _, err = inspected(capsys, path)
+    assert err == f"drake-leg: {path} is a file which is damaged\n"
+    _, _, err = inspected(capsys, tmp_path / "none.step")
+    assert "none.step is a file which cannot be read" in err

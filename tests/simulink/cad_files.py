@@ -2,6 +2,28 @@
 
 import pytest
 
+FEATURE = "cylindrical surface 6"
+PART = {
+    "ExtGeomFileName": "C:\\cad\\Leg.STEP", "InertiaType": "Custom", "Mass": "2",
+    "MomentsOfInertia": "[1 1 1]", "DoExposeReferenceFrame": "off",
+}  # fmt: skip
+
+
+def frame(origin=FEATURE, primary=None):
+    """Write a frame of a solid on a feature, and perhaps along one."""
+    along = (
+        f"<Source>GeometricFeature</Source><FeatureName>{primary}</FeatureName>"
+        if primary
+        else "<Source>ReferenceFrame</Source><SourceDirection>+Z</SourceDirection>"
+    )
+    return (
+        "<Frames><Frame><Name>F1</Name><Origin><Source>GeometricFeature</Source>"
+        f"<FeatureName>{origin}</FeatureName></Origin><PrimaryAxis>{along}"
+        "<DefinedDirection>+Z</DefinedDirection></PrimaryAxis><SecondaryAxis>"
+        "<Source>ReferenceFrame</Source><SourceDirection>+X</SourceDirection>"
+        "<DefinedDirection>+X</DefinedDirection></SecondaryAxis></Frame></Frames>"
+    )
+
 
 def open_cascade():
     """Return the package, or skip the test."""

@@ -12,7 +12,7 @@ from typing import TypeVar
 import numpy as np
 from scipy.cluster.hierarchy import DisjointSet
 
-from drake_leg.arguments import some_of, with_article
+from drake_leg.arguments import with_article
 from drake_leg.errors import (
     InvalidValueError,
     MissingThingsError,
@@ -27,13 +27,13 @@ from drake_leg.simulink.model import Block, Model, is_on, vector
 from drake_leg.simulink.multibody.joints import Primitive, primitives_of
 from drake_leg.simulink.multibody.mass import Array, MassProperties
 from drake_leg.simulink.multibody.solids import GEOMETRIES, NO_MASS, REFERENCE, Solid
+from drake_leg.simulink.multibody.unplaced import Unplaced
 from drake_leg.simulink.multibody.variable import constant_inputs
 from drake_leg.simulink.wiring import physical_part
 
 T = TypeVar("T")
 
 WORLD = "world"
-SHOWN = 5  # blocks in a sentence
 SOLIDS = (*OF_MASS, "Graphic")
 PLACES = (
     "Reference Frame", "World Frame", "Mechanism Configuration", "Transform Sensor",
@@ -157,7 +157,7 @@ class _Reading:
         self._problems: dict[str, None] = {}
         self._is_lacking = False  # whether the block that is read lacks a value
         self._only: dict[str, Array] = {}
-        self._unplaced: dict[str, dict[str, UnplacedFeatureError]] = {}  # by feature, then block
+        self._unplaced = Unplaced()
         self._mechanical = self._at_frames()
 
     @property
@@ -168,7 +168,7 @@ class _Reading:
     @property
     def problems(self) -> tuple[str, ...]:
         """What is wrong, each once."""
-        return (*self._problems, *map(_unplaced, self._unplaced.values()))
+        return (*self._problems, *self._unplaced.sentences())
 
     def connections(self) -> Connections:
         """Read all blocks; what is wrong is collected."""
@@ -294,9 +294,7 @@ class _Reading:
         none: tuple[UnplacedFeatureError, ...] = ()
         errors = self._attempt(none, solid.unplaced, frame)
         for error in errors:
-            blocks = self._unplaced.setdefault(f"{error.file}:{error.feature}", {})
-            known = blocks.get(solid.block.name)
-            blocks[solid.block.name] = known if known and known.directed else error
+            self._unplaced.note(solid, error)
         if not errors:
             self._only |= solid.only_ones(frame)
         return bool(errors)
@@ -327,14 +325,6 @@ def is_multibody(block: Block) -> bool:
 def acts(block: Block) -> bool:
     """Tell whether a block of Simscape Multibody is a force or a constraint, and no joint."""
     return block.kind in (*FORCES, *CONSTRAINTS) and is_multibody(block)
-
-
-def _unplaced(blocks: Mapping[str, UnplacedFeatureError]) -> str:
-    """Say in one sentence which solids have frames on a feature that nobody has placed."""
-    error = max(blocks.values(), key=lambda each: each.directed)
-    named = some_of([*map(repr, blocks)], SHOWN)
-    on = error.problem.partition(" frame on ")[2]
-    return f"{named} {'has' if len(blocks) == 1 else 'have'} a frame on {on}: {error.advice}"
 
 
 def _own(block: Block) -> Frame:

@@ -15,9 +15,10 @@ import numpy as np
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.linking import files_in
 from drake_leg.simulink.multibody.bodies import Mechanism
+from drake_leg.simulink.multibody.file_shape import FileShape
 from drake_leg.simulink.multibody.mass import Array
 from drake_leg.simulink.multibody.naming import Once, word
-from drake_leg.simulink.multibody.solids import Extrusion, FileShape, Revolution, Solid
+from drake_leg.simulink.multibody.solids import Extrusion, Revolution, Solid
 from drake_leg.simulink.multibody.step import ENDINGS as STEP_ENDINGS
 
 ARC = math.tau / 48  # [rad], of a facet of a revolution

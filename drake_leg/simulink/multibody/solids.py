@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from pathlib import Path, PureWindowsPath
 
 import numpy as np
 
-from drake_leg.arguments import quoted, with_article
+from drake_leg.arguments import with_article
 from drake_leg.errors import InvalidValueError, UnknownValueError, UnplacedFeatureError
 from drake_leg.simulink.model import Block, invalid_parameter, is_on, vector
 from drake_leg.simulink.multibody import mass
@@ -22,16 +21,12 @@ from drake_leg.simulink.multibody.features import (
     extrusion_feature,
     revolution_feature,
 )
+from drake_leg.simulink.multibody.file_shape import FileShape, Find, found_file
 from drake_leg.simulink.multibody.frames import read_frames
 from drake_leg.simulink.multibody.mass import Array, MassProperties
-from drake_leg.simulink.multibody.step import ENDINGS as STEP_ENDINGS
-from drake_leg.simulink.multibody.step import only_place, properties_of_step, unit_of_step
-from drake_leg.simulink.multibody.stl import is_closed, of_mesh, read_stl
 from drake_leg.simulink.multibody.variable import VARIABLE, Input, no_inputs, sizes_of
 from drake_leg.simulink.placed_features import feature_key
 from drake_leg.units import parse_unit
-
-Find = Callable[[str], Path | None]
 
 GREY = (0.5, 0.5, 0.5, 1.0)
 NO_MASS = MassProperties(mass=0.0, center=np.zeros(3), inertia=np.zeros((3, 3)))
@@ -119,92 +114,6 @@ class Revolution:
         if self.angle < math.tau:
             raise InvalidValueError(f"it has no {name!r} that is known: place the frame by R")
         return revolution_feature(name, self.section)
-
-
-@dataclass(frozen=True, kw_only=True)
-class FileShape:
-    """What a file of geometry holds, in R."""
-
-    file: str
-    unit: float  # of its numbers [m]
-    own_unit: bool = False  # whether the unit is the one that the file states, where it does
-    place: Path | None = None  # where it lies
-    placed: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # features, by a person
-
-    def properties(self, density: float) -> MassProperties:
-        """Return the mass properties in R, of a density [kg/m^3], exact for what the file holds."""
-        ending = PureWindowsPath(self.file).suffix.lower()
-        if ending not in (".stl", *STEP_ENDINGS):
-            raise self._without("which is not read")
-        if self.place is None:
-            raise self._without("which lies nowhere in the given folders")
-        if ending in STEP_ENDINGS:
-            return self._of_step(self.place, density)
-        corners = read_stl(self.place)
-        if not is_closed(corners):
-            raise self._without("whose surface is not closed")
-        return of_mesh(self.unit * corners, density)
-
-    def _of_step(self, place: Path, density: float) -> MassProperties:
-        try:
-            return mass.scaled(properties_of_step(place), self.scale(place), density)
-        except InvalidValueError as error:
-            raise self._without(error.problem, error.advice) from None
-
-    def scale(self, place: Path) -> float:
-        """Return the factor of the lengths in a file at a place, as it is read, to meters.
-
-        A STEP file is read in meters.
-
-        Raises
-        ------
-        InvalidValueError
-            If the file's own unit is not known, and another one is set.
-        """
-        if place.suffix.lower() not in STEP_ENDINGS:
-            return self.unit
-        return 1.0 if self.own_unit else self.unit / unit_of_step(place)
-
-    def _without(self, why: str, advice: str = "") -> InvalidValueError:
-        custom = (
-            "make its InertiaType Custom with `parameter`, and its Mass, CenterOfMass, "
-            "MomentsOfInertia and ProductsOfInertia those of its CAD program"
-        )
-        return InvalidValueError(
-            f"it has its mass from the geometry of {quoted(self.file)}, {why}",
-            advice=advice or custom,
-        )
-
-    @property
-    def name(self) -> str:
-        """Return the file's name without its folder."""
-        return PureWindowsPath(self.file).name
-
-    def is_placed(self, name: str, *, directed: bool) -> bool:
-        """Tell whether the place of a feature is known, and its direction where it is wanted."""
-        try:
-            found = self.feature(name)
-        except UnplacedFeatureError:
-            return False
-        return not directed or found.normal is not None
-
-    def feature(self, name: str) -> Feature:
-        """Find a face, an edge or a corner by its name.
-
-        Raises
-        ------
-        UnplacedFeatureError
-            If nobody has placed it, and it is not the only one of its kind.
-        """
-        numbers = self.placed.get(feature_key(self.file, name))
-        if numbers is not None:
-            direction = np.array(numbers[3:])
-            normal = direction / np.linalg.norm(direction) if len(direction) else None
-            return Feature(center=np.array(numbers[:3]), normal=normal)
-        only = only_place(self.place, name) if self.place else None
-        if self.place is None or only is None:
-            raise UnplacedFeatureError(file=self.name, feature=name)
-        return Feature(center=self.scale(self.place) * only)
 
 
 Shape = Brick | Cylinder | Ellipsoid | Extrusion | Revolution | FileShape
@@ -437,10 +346,14 @@ def _shape(
     if kind == "FromFile":
         unit = parse_unit(str(block.parameters.get("ExtGeomFileUnits") or "m"))
         file = str(block.parameters.get("ExtGeomFileName", ""))
-        place = find(PureWindowsPath(file).name) if find else None
-        own_unit = block.parameters.get("UnitType") != "Custom"
+        place, step = found_file(file, find)
         return FileShape(
-            file=file, unit=float(unit.factor), own_unit=own_unit, place=place, placed=placed
+            file=file,
+            unit=float(unit.factor),
+            own_unit=block.parameters.get("UnitType") != "Custom",
+            place=place,
+            step=step,
+            placed=placed,
         )
     raise InvalidValueError(
         f"the block {block.name!r} (SID {block.sid}) is {with_article(block.kind)} {kind}, "

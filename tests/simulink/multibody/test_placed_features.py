@@ -2,35 +2,14 @@
 
 import numpy as np
 import pytest
-from cad_files import open_cascade, write
+from cad_files import FEATURE, PART, frame, open_cascade, write
 from mechanism_models import pendulum
 
 from drake_leg.errors import InvalidValueError, UnplacedFeatureError
 from drake_leg.simulink.dynamics.system import mechanism_dynamics
-from drake_leg.simulink.multibody.step import only_place
+from drake_leg.simulink.multibody.step_places import only_place
 from drake_leg.simulink.running.ported import mechanism_from
 from drake_leg.simulink.running.porting.mechanism import mechanism_data
-
-FEATURE = "cylindrical surface 6"
-PART = {
-    "ExtGeomFileName": "C:\\cad\\Leg.STEP", "InertiaType": "Custom", "Mass": "2",
-    "MomentsOfInertia": "[1 1 1]", "DoExposeReferenceFrame": "off",
-}  # fmt: skip
-
-
-def frame(origin=FEATURE, primary=None):
-    along = (
-        f"<Source>GeometricFeature</Source><FeatureName>{primary}</FeatureName>"
-        if primary
-        else "<Source>ReferenceFrame</Source><SourceDirection>+Z</SourceDirection>"
-    )
-    return (
-        "<Frames><Frame><Name>F1</Name><Origin><Source>GeometricFeature</Source>"
-        f"<FeatureName>{origin}</FeatureName></Origin><PrimaryAxis>{along}"
-        "<DefinedDirection>+Z</DefinedDirection></PrimaryAxis><SecondaryAxis>"
-        "<Source>ReferenceFrame</Source><SourceDirection>+X</SourceDirection>"
-        "<DefinedDirection>+X</DefinedDirection></SecondaryAxis></Frame></Frames>"
-    )
 
 
 def legs(*names, **more):
@@ -72,6 +51,7 @@ def test_all_that_are_not_placed_are_named_once(tmp_path):
     assert str(caught.value) == (
         "'A', 'B' have a frame on 'cylindrical surface 6' of 'Leg.STEP', which takes a CAD program "
         "to find: give a place to 'Leg.STEP:cylindrical surface 6' in the solid's reference frame"
+        "\n      its places are listed where it lies beside the model or in a given folder"
     )
     error = UnplacedFeatureError(file="a.step", feature="f", directed=True)
     assert (error.file, error.feature, error.directed) == ("a.step", "f", True)

@@ -1,0 +1,151 @@
+"""Where the features of a STEP file lie, against closed forms."""
+
+import numpy as np
+import pytest
+from cad_files import PART, frame, open_cascade, write
+from mechanism_models import pendulum
+
+from drake_leg.cli.terminal import as_options
+from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.multibody.step_places import only_place, places_of
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture
+def plate(tmp_path):
+    """A plate of 100, 40 and 20 mm with a hole along z at x = 30, y = 20 mm; its radius is 5 mm."""
+    open_cascade()
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder
+    from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+
+    axis = gp_Ax2(gp_Pnt(30.0, 20.0, 0.0), gp_Dir(0, 0, 1))
+    hole = BRepPrimAPI_MakeCylinder(axis, 5.0, 20.0).Shape()
+    shape = BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(100.0, 40.0, 20.0).Shape(), hole).Shape()
+    return write(tmp_path / "leg.step", shape)
+
+
+def rows(places):
+    """Return points and directions, (n, 6), in order of their numbers."""
+    found = np.array([[*place.point, *place.direction] for place in places])
+    return found[np.lexsort(found.T)]
+
+
+def test_planes_have_their_middles_and_outward_normals(plate):
+    """The center of area of the drilled faces follows from that of the hole."""
+    area, hole = 0.1 * 0.04, np.pi * 0.005**2
+    x = (area * 0.05 - hole * 0.03) / (area - hole)
+    expected = np.array([
+        [x, 0.02, 0.0, 0, 0, -1], [x, 0.02, 0.02, 0, 0, 1],
+        [0.0, 0.02, 0.01, -1, 0, 0], [0.1, 0.02, 0.01, 1, 0, 0],
+        [0.05, 0.0, 0.01, 0, -1, 0], [0.05, 0.04, 0.01, 0, 1, 0],
+    ])  # fmt: skip
+    places = places_of(plate, "planar surface")
+    np.testing.assert_allclose(rows(places), expected[np.lexsort(expected.T)], atol=1e-9)
+    assert [place.count for place in places] == [1] * 6
+    assert places[0].size[1] == pytest.approx(area - hole)
+    assert places[0].described() == "area 3921 mm²"
+
+
+@pytest.mark.parametrize(
+    ("kind", "count", "first"),
+    [
+        ("cylindrical surface", 1, [0.03, 0.02, 0.01, 0, 0, 1]),
+        ("circular curve", 2, None),
+        ("point", None, None),
+        ("spherical surface", 0, None),
+        ("spline", 0, None),
+    ],
+)
+def test_the_hole_has_an_axis_and_two_rims(plate, kind, count, first):
+    places = places_of(plate, kind)
+    if count is None:
+        assert any(np.allclose(place.point, [0.1, 0.04, 0.02]) for place in places)
+        assert len(places) == sum(place.count for place in places) == 8 + 2  # and the rims' starts
+        return
+    assert sum(place.count for place in places) == count
+    if first:
+        np.testing.assert_allclose(rows(places)[0], first, atol=1e-12)
+        assert places[0].described() == "radius 5 mm"
+        assert only_place(plate, f"{kind} 7") is not None
+
+
+def test_edges_are_met_once_and_most_features_come_first(tmp_path):
+    open_cascade()
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Fuse
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCylinder
+
+    box = BRepPrimAPI_MakeBox(10.0, 20.0, 30.0).Shape()
+    path = write(tmp_path / "box.step", box)
+    edges = places_of(path, "segment")
+    assert sum(edge.count for edge in edges) == 12
+    assert edges[0].size == ("length", pytest.approx(0.03))
+    from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+
+    def disk(z, radius, height):
+        axis = gp_Ax2(gp_Pnt(0.0, 0.0, z), gp_Dir(0, 0, 1))
+        return BRepPrimAPI_MakeCylinder(axis, radius, height).Shape()
+
+    wide, narrow = disk(0.0, 9.0, 4.0), disk(1.0, 5.0, 7.0)
+    path = write(tmp_path / "steps.step", BRepAlgoAPI_Fuse(wide, narrow).Shape())
+    first, *others = places_of(path, "circular curve")
+    assert (first.count, [each.count for each in others]) == (2, [1, 1])
+    np.testing.assert_allclose(first.point, [0, 0, 0.004], atol=1e-12)  # of the step's two rims
+
+
+def model(tmp_path, origin, file="C:\\cad\\Leg.STEP", **more):
+    built = pendulum()
+    texts = {**PART, "ExtGeomFileName": file, **more}
+    built.body("File Solid", "A", SerializedFrames=frame(origin, origin), **texts)
+    built.meet("Down", "A lconn:1")
+    return built
+
+
+def refusal(built, tmp_path):
+    with pytest.raises(InvalidValueError) as caught:
+        built.mechanism(tmp_path)
+    return str(caught.value).split("\n      ")
+
+
+def test_an_error_lists_the_places_as_the_option_takes_them(plate, tmp_path):
+    built = model(tmp_path, "planar surface 3")
+    _, *lines = refusal(built, tmp_path)
+    assert len(lines) == 6
+    assert "place 'Leg.STEP:planar surface 3' at 0,0.02,0.01,-1,0,0 (1 of 6, area 800 mm²)" in lines
+    option = next(as_options(line) for line in lines if ",0,1 (" in line)
+    name, numbers = option.removeprefix("--feature ").split("'")[1].split("=")
+    assert option.endswith("'  # 1 of 6, area 3921 mm²")
+    given = {name: [float(number) for number in numbers.split(",")]}
+    assert built.mechanism(tmp_path, features=given)
+
+
+def test_the_unit_of_the_solid_counts(plate, tmp_path):
+    built = model(tmp_path, "planar surface 3", UnitType="Custom", ExtGeomFileUnits="in")
+    assert any("at 0,0.508,0.254,-1,0,0" in line for line in refusal(built, tmp_path))
+
+
+def test_places_of_a_file_of_a_cad_program_come_from_a_step_file_of_its_name(plate, tmp_path):
+    _, *lines = refusal(model(tmp_path, "circular curve 3", "Leg.SLDPRT"), tmp_path)
+    assert len(lines) == 2
+    assert lines[0].startswith("place 'Leg.SLDPRT:circular curve 3' at 0.03,0.02,0")
+
+
+@pytest.mark.parametrize("file", ["Arm.step", "Arm.SLDPRT"])
+def test_without_a_file_it_is_told_which_is_looked_for(tmp_path, file):
+    _, line = refusal(model(tmp_path, "point 3", file), tmp_path)
+    it = "it" if file == "Arm.step" else "'Arm.step'"
+    assert line == f"its places are listed where {it} lies beside the model or in a given folder"
+
+
+def test_a_damaged_file_lists_nothing(tmp_path):
+    open_cascade()
+    (tmp_path / "leg.step").write_text("no STEP")
+    _, line = refusal(model(tmp_path, "point 3"), tmp_path)
+    assert line == "its places are not listed from 'leg.step', which is damaged"
+
+
+def test_what_does_not_fit_a_screen_is_counted(plate, tmp_path, monkeypatch):
+    monkeypatch.setattr("drake_leg.simulink.multibody.unplaced.LINES", 4)
+    *_, last = refusal(model(tmp_path, "planar surface 3"), tmp_path)
+    assert last == f"and 2 more places: `drake-leg inspect {plate}` lists all"
