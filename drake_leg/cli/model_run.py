@@ -246,7 +246,7 @@ def require_meant(chosen: argparse.Namespace, ready: Runnable) -> None:
         refuse_ignored(
             {"--contact": chosen.contact is not None}, "is for mechanisms, and this model has none"
         )
-    if not ready.code.loops:
+    if not (ready.code.loops or ready.code.closing):
         refuse_ignored(
             {"--solve-loops": chosen.solve_loops},
             "is for algebraic loops, and this model has none",

@@ -185,6 +185,14 @@ class Acting:
             out[entries] = law(response)
         return out
 
+    def accelerations(self, u: Array) -> Array:
+        """Return the accelerations (nv,) of the plant at the moment's state."""
+        moment = self.moment
+        force = self.solved(u).force
+        held = moment.unforced(np.zeros(len(force)))
+        vdot: Array = np.asarray(np.linalg.solve(moment.mass_matrix, force - held), dtype=float)
+        return vdot
+
     def _add_sensing(self) -> None:
         self._carries = False  # whether a joint puts out what it carries
         self._of_state: list[tuple[slice, Callable[[Moment], float | Array]]] = []

@@ -67,6 +67,12 @@ class MechanismSystem(AtPorts, Diagram):
         builder.ExportOutput(plant.get_state_output_port(), "state")
         builder.BuildInto(self)
 
+    def respond(self, state: Array, u: Array) -> Array:
+        """Return ``efforts`` at a state (nq + nv,) of the plant and inputs (n,), at no context."""
+        acting = self._acting
+        acting.moment.move_to(state)
+        return acting.respond(u, acting.accelerations(u))
+
     @property
     def is_driven(self) -> bool:
         """Whether motions alone say how it moves."""

@@ -82,6 +82,7 @@ class Code:
     begins: float = 0.0  # [s], the time of the signals at the start, where Drake's is 0
     lagging: tuple[str, ...] = ()  # ports of signals that motions follow by a filter of their own
     loops: tuple[AlgebraicLoop, ...] = ()  # those that are solved
+    closing: tuple[int, ...] = ()  # entries of the efforts on which commands depend
 
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Compile the source, which is of our own making."""
@@ -113,7 +114,7 @@ def compile_signals(
     job, problems = _attempt(network, ports, fixed_step, solve_loops, begins)
     refuse(problems, A_RUN)
     job.require_shapes()
-    return job.code()
+    return job.code(closes=solve_loops)
 
 
 def missing_for_run(network: SignalNetwork, *, solve_loops: bool = False) -> list[str]:
@@ -369,8 +370,8 @@ class _Pass:
 
     # --- functions ---
 
-    def code(self) -> Code:
-        """Make the functions of what was written."""
+    def code(self, *, closes: bool) -> Code:
+        """Make the functions of what was written, with loops through the mechanism if allowed."""
         pen = self.pen
         held = self._hold()
         outputs = [section for section in pen.sections if not section.after]
@@ -389,10 +390,11 @@ class _Pass:
         lasting = names_read(outputs, [], [each for each in outputs if each.lasts])
         u_reads = names_read(outputs, u)
         dx_reads = names_read(outputs, dx) | names_read(outputs, [], afters)
-        if u_reads & efforts:
+        if u_reads & efforts and (not closes or self._moves_by(efforts, outputs)):
             raise InvalidValueError(
                 "what drives the mechanism depends at once on forces or accelerations that are "
-                "sensed there: an algebraic loop; break it with a Memory or a filter"
+                "sensed there: an algebraic loop; break it with a Memory or a filter, or, where it "
+                "drives no motion, `solve_loops`"
             )
         return Code(
             source="\n\n\n".join((commands, derivatives, record, major, edges)) + "\n",
@@ -421,7 +423,19 @@ class _Pass:
             written=dict(pen.written),
             lagging=tuple(pen.lagging),
             loops=tuple(self.loops),
+            closing=tuple(
+                k
+                for port, place in sorted(self._ports.efforts.items())
+                if _code_at(pen, port) in u_reads
+                for k in _range(place)
+            ),
         )
+
+    def _moves_by(self, efforts: set[str], outputs: Sequence[Section]) -> bool:
+        """Tell whether a motion of the mechanism depends on what is sensed of its forces."""
+        places = (self._ports.inputs[port] for port in self._ports.motions)
+        entries = [self.entries.get(k, "0.0") for place in places for k in _range(place)]
+        return bool(names_read(outputs, self._vector("u", entries)) & efforts)
 
     def _hold(self) -> dict[str, int]:
         """Give every variable that is not computed always a place in the memory."""
@@ -455,6 +469,10 @@ class _Pass:
             else:
                 entries.append(f"*flat({dot})")
         return self._vector("dx", entries)
+
+
+def _range(place: slice) -> range:
+    return range(place.start, place.stop)
 
 
 def _length(places: Mapping[str, slice]) -> int:

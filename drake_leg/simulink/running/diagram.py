@@ -41,8 +41,9 @@ class ModelDiagram(Diagram):
         builder = DiagramBuilder()
         sizes = {"sensed": ports.y.size, "efforts": ports.e.size}
         commands = max((place.stop for place in ports.inputs.values()), default=0)
+        states = mechanism.GetOutputPort("state").size() if mechanism is not None else 0
         self.signals = builder.AddNamedSystem(
-            "signals", SignalSystem(code, commands=commands, **sizes)
+            "signals", SignalSystem(code, commands=commands, state=states, **sizes)
         )
         if mechanism is not None:
             builder.AddNamedSystem("mechanism", mechanism)
@@ -50,6 +51,11 @@ class ModelDiagram(Diagram):
             for name in ("sensed", "now", "efforts"):
                 if self.signals.HasInputPort(name):
                     builder.Connect(mechanism.GetOutputPort(name), self.signals.GetInputPort(name))
+            if code.closing:
+                builder.Connect(
+                    mechanism.GetOutputPort("state"), self.signals.GetInputPort("state")
+                )
+                self.signals.close(mechanism.respond)
             if commands:
                 builder.Connect(self.signals.GetOutputPort("u"), mechanism.GetInputPort("u"))
         self.scopes: VectorLogSink | None = None

@@ -45,6 +45,7 @@ class WrittenCode(Code):
     fastest: float = 0.0
     begins: float = 0.0
     read_at_once: frozenset[str] = frozenset()
+    closing: tuple[int, ...] = ()
     calls: tuple[Callable[..., Any], ...]  # those of its functions that do something
 
     def functions(self) -> dict[str, Callable[..., Any]]:

@@ -185,7 +185,7 @@ def runnable(
         u = _commands(code, ports)
         ports = _ports(mechanism, u)
         code = compile_with(ports)
-        if not code.needs_sensed and mechanism.is_driven:
+        if not (code.needs_sensed or code.closing) and mechanism.is_driven:
             mechanism = mechanism.driven()
     return Runnable(
         name=model.name,

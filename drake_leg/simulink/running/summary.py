@@ -14,6 +14,7 @@ from drake_leg.simulink.catalogue import JOINTS
 from drake_leg.simulink.dynamics.driven import DrivenMechanism
 from drake_leg.simulink.dynamics.system import MechanismSystem
 from drake_leg.simulink.model import Model, split_port
+from drake_leg.simulink.running.closing import ABOUT
 from drake_leg.simulink.running.columns import Column
 from drake_leg.simulink.running.left_out import motion_of_another
 from drake_leg.simulink.running.motions import FILTER
@@ -110,6 +111,7 @@ def _understood(model: Model, ready: Runnable) -> dict[str, Any]:
             {"blocks": [block.path for block in loop.blocks], "unknown_signals": len(loop.torn)}
             for loop in code.loops
         ],
+        "forces_and_accelerations_in_loops": len(code.closing),
         "networks": _of_networks(model, ready),
         "mechanism": None,
     }
@@ -188,6 +190,8 @@ def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
         more = f"; and {len(loops) - SHOWN} more" if len(loops) > SHOWN else ""
         names = "; ".join(loop.names for loop in loops[:SHOWN])
         yield f"solved by Newton's method, algebraic loops of {names}{more}"
+    if ready.code.closing:
+        yield f"solved by Newton's method, {ABOUT}"
     if not run.shown:
         joints = ready.diagram.mechanism is not None
         yield f"{NO_SINK}{', so the joints alone are recorded' if joints else ''}"

@@ -21,6 +21,7 @@ from pydrake.systems.framework import (
 )
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.running.closing import closed
 from drake_leg.simulink.running.compiling import Code
 from drake_leg.simulink.running.rates import Rate, next_hit
 from drake_leg.simulink.running.settings import flat
@@ -67,6 +68,7 @@ class SignalSystem(LeafSystem):
     ``sensed``   in    ``sensed``          what the mechanism senses of positions and speeds
     ``now``      in    ``sensed``          the same, with what is read at once alone
     ``efforts``  in    ``efforts``         its forces and accelerations
+    ``state``    in    ``state``           its positions and velocities, where a loop is closed
     ``u``        out   ``commands``        forces and motions for the mechanism, in SI
     ``scopes``   out   ``code.recorded``   what sinks show, then whether a Stop block stops
     ============ ===== =================== ==================================================
@@ -77,11 +79,13 @@ class SignalSystem(LeafSystem):
     ----------
     code : Code
         The compiled signals.
-    sensed, efforts, commands : int
+    sensed, efforts, commands, state : int
         Sizes of the vectors between signals and mechanism.
     """
 
-    def __init__(self, code: Code, *, sensed: int = 0, efforts: int = 0, commands: int = 0) -> None:
+    def __init__(
+        self, code: Code, *, sensed: int = 0, efforts: int = 0, commands: int = 0, state: int = 0
+    ) -> None:
         super().__init__()
         self.code = code
         functions = code.functions()
@@ -95,11 +99,16 @@ class SignalSystem(LeafSystem):
         self._sensed = self.DeclareVectorInputPort("sensed", sensed) if sensed else None
         self._now = self.DeclareVectorInputPort("now", sensed) if sensed else None
         self._efforts = self.DeclareVectorInputPort("efforts", efforts) if efforts else None
+        self._count = efforts
+        self._respond: Callable[[Array, Array], Array] | None = None
+        self._state = self.DeclareVectorInputPort("state", state) if code.closing else None
         before = {self.time_ticket(), self.xc_ticket(), self.abstract_state_ticket(self._memory)}
         if commands:
             needs = set(before)
             if code.needs_sensed and self._now is not None:
                 needs.add(self.input_port_ticket(self._now.get_index()))
+            if self._state is not None:
+                needs.add(self.input_port_ticket(self._state.get_index()))
             self.DeclareVectorOutputPort("u", commands, self._calc_commands, needs)
         self.widths = [flat(each.value).size for each in code.recorded]
         size = sum(self.widths) + len(code.stops)
@@ -140,8 +149,33 @@ class SignalSystem(LeafSystem):
         sensed = self._none
         if self.code.needs_sensed and self._now is not None:
             sensed = self._now.Eval(context)
+        function = self._commands if self._state is None else self._closed(context)
         arguments = (*self._own(context), sensed, self._none)
-        output.SetFromVector(self._computed(self._commands, arguments, output.size()))
+        output.SetFromVector(self._computed(function, arguments, output.size()))
+
+    def close(self, respond: Callable[[Array, Array], Array]) -> None:
+        """Say what a mechanism's forces and accelerations are, by its state and its commands."""
+        self._respond = respond
+
+    def _closed(self, context: Context) -> Callable[..., Array]:
+        """Return the commands that depend on what they cause in the mechanism."""
+        assert self._state is not None
+        assert self._respond is not None
+        respond, state = self._respond, self._state.Eval(context)
+        entries = list(self.code.closing)
+        efforts = np.zeros(self._count)
+
+        def commands(t: float, x: list[float], m: Memory, y: Array, _: Array) -> Array:
+            def response(guess: Array) -> Array:
+                efforts[entries] = guess
+                caused: Array = respond(state, self._commands(t, x, m, y, efforts))[entries]
+                return caused
+
+            efforts[entries] = closed(response, len(entries))
+            found: Array = self._commands(t, x, m, y, efforts)
+            return found
+
+        return commands
 
     def DoCalcTimeDerivatives(self, context: Context, derivatives: ContinuousState) -> None:
         """Compute the derivatives of all states."""

@@ -192,6 +192,8 @@ class _Writing:
             yield from self._field(field.name, getattr(self._ready.code, field.name))
         yield "        )"
         sizes = f"sensed={ports.y.size}, efforts={ports.e.size}, commands={commands}"
+        if self._ready.code.closing and mechanism is not None:
+            sizes += f", state={mechanism.GetOutputPort('state').size()}"
         yield f"        super().__init__(code{f', {sizes}' if mechanism else ''})"
         for function in self._functions:
             yield ""
@@ -238,12 +240,14 @@ class _Writing:
             yield f'        mechanism = mechanism_from(data["mechanism"]){driven}'
             yield '        self.mechanism = builder.AddNamedSystem("mechanism", mechanism)'
             yield "        mechanism.read_at_once(self.signals.code.read_at_once)"
-            for port in ("sensed", "now", "efforts"):
+            for port in ("sensed", "now", "efforts", "state"):
                 if signals.HasInputPort(port):
                     yield "        builder.Connect("
                     yield f'            mechanism.GetOutputPort("{port}"),'
                     yield f'            self.signals.GetInputPort("{port}"),'
                     yield "        )"
+            if self._ready.code.closing:
+                yield "        self.signals.close(mechanism.respond)"
             if signals.HasOutputPort("u"):
                 yield "        builder.Connect("
                 yield '            self.signals.GetOutputPort("u"),'
