@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,6 +14,7 @@ from drake_leg.simulink.archive import one_line, parameters
 from drake_leg.simulink.catalogue import WHERE_ABSENT, known_parameters, under_todays_names
 from drake_leg.simulink.file import SimulinkFile
 from drake_leg.simulink.linking import Libraries, Linked
+from drake_leg.simulink.logged import logged_ports
 from drake_leg.simulink.masks import Mask, read_mask
 from drake_leg.simulink.matlab.data import LackError
 from drake_leg.simulink.matlab.signal_builder import built_signals, text_of_signals
@@ -96,6 +97,7 @@ class DrawnBlock:
     mask: Mask
     unlinked: str = ""  # why what it refers to was not found
     undecided: str = ""  # why none of its variants was chosen
+    logged: Mapping[int, str] = field(default_factory=dict)  # signals, by the number of the output
 
     def __str__(self) -> str:
         return f"block {self.name!r} (SID {self.sid})" if self.sid else f"the file {self.name!r}"
@@ -303,6 +305,7 @@ def _put_in_place(block: DrawnBlock, linked: DrawnBlock) -> DrawnBlock:
         system=block.system,
         texts=linked.texts | block.texts,
         ports=block.ports or linked.ports,
+        logged=block.logged,
         mask=_with_own_values(linked.mask, block),
     )
 
@@ -342,6 +345,7 @@ def _drawn_block(element: Element, place: _Place) -> DrawnBlock:
         texts=under_todays_names({key: text for key, text in texts.items() if key not in _DRAWING}),
         ports=ports,
         mask=read_mask(element, texts),
+        logged=logged_ports(element),
     )
 
 

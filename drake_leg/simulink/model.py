@@ -128,6 +128,7 @@ class Model:
     variables: Variables | None = field(default=None, compare=False, repr=False)
     features: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # that were placed
     is_library: bool = False  # of blocks for other models
+    logged: tuple[tuple[str, str], ...] = ()  # outputs whose signals are, and the signals' names
 
 
 @lru_cache(maxsize=MOST_PORTS)

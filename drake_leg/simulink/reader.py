@@ -192,6 +192,11 @@ def _model(
         solver=_solver(file.configuration, Scope(variables)),
         variables=variables,
         is_library=file.is_library,
+        logged=tuple(
+            (f"{block.sid}#out:{number}", name)
+            for block in diagram.blocks.values()
+            for number, name in block.logged.items()
+        ),
     )
 
 

@@ -26,6 +26,7 @@ class WrittenBlock:
     ports: dict[str, int]
     script: str | None = None  # of MATLAB, or what a chart holds, as XML
     mask: str = ""  # of `mask_text`
+    port_properties: str = ""  # what its outputs log, as XML
 
 
 def _is_drawn(block: WrittenBlock) -> bool:
@@ -268,7 +269,7 @@ class ModelBuilder:
             body += f"<InstanceData>{_p('ContentPreviewEnabled', 'off')}{texts}</InstanceData>"
         else:
             body += texts
-        body += block.mask
+        body += block.mask + block.port_properties
         if block.type == "SubSystem":
             body += (
                 self._system_text(block.sid, nested=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from drake_leg.simulink.logged import with_logged
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
 from drake_leg.simulink.model import Block, Function, Model, Parameters, split_port
@@ -102,6 +103,7 @@ def signal_network(model: Model, motions: frozenset[str] = frozenset()) -> Signa
 class _Reading:
     def __init__(self, model: Model, motions: frozenset[str]) -> None:
         self._model, self._motions = model, motions
+        model = with_logged(model)
         self._flat = flatten(model, gates=True)
         self._blocks = {block.sid: block for block in self._flat.blocks}
         self._systems = {block.sid: block for block in model.blocks}

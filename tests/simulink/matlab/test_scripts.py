@@ -568,3 +568,10 @@ def test_an_error_that_is_caught_tells_what_it_said(call, message, identifier):
     workspace = Workspace()
     workspace.run(f"try, {call}; catch e, m = e.message; k = e.identifier; end", name="s.m")
     assert (workspace.variables["m"], workspace.variables["k"]) == (message, identifier)
+
+
+@pytest.mark.parametrize("line", ["print -dpng picture", "mex -setup C", "print -dpng"])
+def test_a_word_with_an_option_is_a_command(line):
+    workspace = Workspace()
+    workspace.run(f"a = 1;\n{line}\nb = a -1;", name="s.m")
+    assert workspace.variables["b"] == 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from drake_leg.simulink.logged import SCOPE
 from drake_leg.simulink.running.code import Operand, Recorded, Writer
 from drake_leg.simulink.running.kinds import kind
 
@@ -39,7 +40,7 @@ def _leaves(name: str, u: Operand) -> list[tuple[str, Operand]]:
 
 @kind("Scope", "Display", "XY Graph", "FloatingScope", "DashboardScope", "Record", "ToFile",
       "DisplayBlock", "SignalViewerScope", "Spectrum Analyzer", "TimeScope",
-      sample_time="")  # fmt: skip
+      SCOPE, sample_time="")  # fmt: skip
 def scope(w: Writer) -> None:
     """Show signals over time."""
     show(w, [])
