@@ -57,15 +57,14 @@ class Parts(Protocol):
         ...
 
 
-def parts_of(path: Path) -> Parts:
-    """Open a file, .slx or .mdl.
+def parts_of(content: bytes) -> Parts:
+    """Open the content of a file, .slx or .mdl, as `content_of` reads it.
 
     Raises
     ------
     InvalidValueError
         If it is none or is damaged.
     """
-    content = _content(path)
     if is_package(content):
         return _TextParts(parts_of_package(content))
     if _TEXT_MODEL.match(content[:4096]):
@@ -197,7 +196,7 @@ def plain_name(text: str) -> str:
     return " ".join(text.split())
 
 
-def _content(path: Path) -> bytes:
+def content_of(path: Path) -> bytes:
     """Read the file, or explain why it is no model."""
     try:
         content = read_bytes(path, most=LARGEST_FILE)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.archive import WHOLE, parameters, parts_of
+from drake_leg.simulink.archive import WHOLE, content_of, parameters, parts_of
 from drake_leg.simulink.charts import Charts
 from drake_leg.simulink.masks import Mask, read_mask
 
@@ -21,6 +21,25 @@ _SYSTEM = re.compile(r"\w{1,80}")
 _HOLDERS = ("Model", "Library", "Subsystem")
 
 
+KEPT = 8  # files, parsed
+
+
+def simulink_file(path: Path) -> SimulinkFile:
+    """Open a file; of the last ones, each content is parsed once.
+
+    Raises
+    ------
+    InvalidValueError
+        If it is not such a file or is damaged.
+    """
+    return _kept(path, content_of(path))
+
+
+@lru_cache(maxsize=KEPT)
+def _kept(path: Path, content: bytes) -> SimulinkFile:
+    return SimulinkFile(path, content)
+
+
 class SimulinkFile:
     """A file whose parts are parsed when they are asked for, each once.
 
@@ -30,9 +49,9 @@ class SimulinkFile:
         If it is not such a file or is damaged.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, content: bytes) -> None:
         self.path = path
-        self._parts = parts_of(path)
+        self._parts = parts_of(content)
         self._trees: dict[str, Element | None] = {}
 
     @cached_property

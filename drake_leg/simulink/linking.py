@@ -13,7 +13,7 @@ from xml.etree.ElementTree import Element
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink import ENDINGS
 from drake_leg.simulink.archive import plain_name
-from drake_leg.simulink.file import SimulinkFile
+from drake_leg.simulink.file import SimulinkFile, simulink_file
 
 OWN = "$bdroot"  # the file that refers
 MOST_FILES = 20_000  # that are looked through
@@ -97,7 +97,7 @@ class Libraries:
         if place is None:
             raise InvalidValueError(f"{NO_FILE} {stem[:63]}.slx")
         if place not in self._files:
-            self._files[place] = SimulinkFile(place)
+            self._files[place] = simulink_file(place)
         return self._files[place]
 
     def _place(self, stem: str) -> Path | None:

@@ -16,7 +16,7 @@ from drake_leg.errors import InvalidValueError, did_you_mean
 from drake_leg.simulink.archive import parameters as texts_of
 from drake_leg.simulink.catalogue import OLD_NAMES
 from drake_leg.simulink.diagram import Diagram, DrawnBlock, mask_of_file, read_diagram
-from drake_leg.simulink.file import SimulinkFile
+from drake_leg.simulink.file import SimulinkFile, simulink_file
 from drake_leg.simulink.linking import Libraries
 from drake_leg.simulink.model import LOOPS, Block, Model, Parameters, Value
 from drake_leg.simulink.overrides import overridden
@@ -99,7 +99,7 @@ def read_model(
     """
     path = Path(path)
     try:
-        file = SimulinkFile(path)
+        file = simulink_file(path)
         drawn = read_diagram(file, Libraries(path.parent, paths))
         drawn = overridden(drawn, parameters or {})
         given = Given(values=values or {}, init=tuple(map(Path, init)), paths=tuple(paths))

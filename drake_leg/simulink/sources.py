@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.file import SimulinkFile
+from drake_leg.simulink.file import SimulinkFile, simulink_file
 from drake_leg.simulink.linking import home_of
 from drake_leg.simulink.matlab.folders import MODELS
 from drake_leg.simulink.matlab.frames import Drawing
@@ -169,7 +169,7 @@ def _run_given(workspace: Workspace, path: Path) -> None:
         workspace.load(path)
     elif path.suffix.lower() in MODELS:
         lender = Variables(workspace)
-        _read_own(SimulinkFile(path), lender)
+        _read_own(simulink_file(path), lender)
         for name in lender.own.keys() - workspace.fixed:
             workspace.set(name, lender.own[name], f"model workspace of {path.name}")
     else:

@@ -10,7 +10,7 @@ from itertools import islice
 from pathlib import Path
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.file import SimulinkFile
+from drake_leg.simulink.file import simulink_file
 from drake_leg.simulink.lacks import Lack, lacks_of
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.checking import walked
@@ -188,7 +188,7 @@ class _Reader:
             self.own[path] = self._wanted & names_of_mat(path)
             return self.own[path]
         if path.suffix == ".slx":
-            content = SimulinkFile(path).workspace_content
+            content = simulink_file(path).workspace_content
             names = set(read_struct(content, path.name)) if content else set()
             self.own[path] = self._wanted & names
             return self.own[path]

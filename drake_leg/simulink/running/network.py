@@ -178,8 +178,9 @@ class _Reading:
 
     def _has(self, sid: str) -> bool:
         block = self._blocks[sid]
-        drives = any(port.startswith(f"{sid}#") for port in (*self._drivers, *self._read))
-        return sid in self._of_signals and (drives or not block.source.startswith("nesl"))
+        return sid in self._of_signals and (
+            sid in self._ports or not block.source.startswith("nesl")
+        )
 
     @cached_property
     def _ports(self) -> dict[str, dict[str, int]]:
