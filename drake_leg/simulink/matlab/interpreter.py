@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from drake_leg.simulink.matlab import operators, syntax
+from drake_leg.simulink.matlab.branching import declared, switched, tried
 from drake_leg.simulink.matlab.calling import bind, guarded, locate, results
 from drake_leg.simulink.matlab.data import (
     Allowance,
@@ -105,11 +106,11 @@ class Interpreter:
             case syntax.Jump(keyword=keyword):
                 return keyword
             case syntax.Switch():
-                return self._switch(statement, frame)
+                return switched(self, statement, frame)
             case syntax.Try():
-                return self._try(statement, frame)
+                return tried(self, statement, frame)
             case syntax.Declare():
-                self._declare(statement, frame)
+                declared(self, statement, frame)
             case syntax.Command(name="!"):
                 self.host.skip("!", frame, "the system is not called")
             case syntax.Command(name=name, words=words):
@@ -144,46 +145,6 @@ class Interpreter:
             if not self.holds(condition, frame):
                 return
             yield
-
-    def _switch(self, statement: syntax.Switch, frame: Frame) -> str | None:
-        on = self.value(statement.on, frame)
-        for line, case, body in statement.cases:
-            frame.line = line
-            value = self.value(case, frame)
-            options = list(value.items.flat) if isinstance(value, Cell) else [value]
-            if any(operators.same(on, option) for option in options):
-                return self.block(body, frame)
-        return self.block(statement.otherwise, frame)
-
-    def _try(self, statement: syntax.Try, frame: Frame) -> str | None:
-        lenient, frame.lenient = frame.lenient, False
-        try:
-            return self.block(statement.body, frame)
-        except (LackError, SpentError):
-            raise
-        except MatlabError as fault:
-            frame.lenient = lenient
-            if statement.error:
-                said = Struct(message=str(fault), identifier="", stack=Struct())
-                if isinstance(fault, StopError):
-                    said |= {"message": fault.said, "identifier": fault.identifier}
-                self.store(statement.error, said, frame)
-            return self.block(statement.handler, frame)
-        finally:
-            frame.lenient = lenient
-
-    def _declare(self, statement: syntax.Declare, frame: Frame) -> None:
-        for name in statement.names:
-            home = self.globals if statement.keyword == "global" else frame.kept
-            if home is None:
-                continue
-            if name in home:
-                frame.values[name] = home[name]
-            else:
-                home[name] = frame.values.setdefault(name, np.zeros((0, 0)))
-            frame.owned.discard(name)
-            if statement.keyword == "global":
-                frame.shared.add(name)
 
     def store(self, name: str, value: Any, frame: Frame) -> None:
         """Set a variable of a frame, and in all places that share it."""

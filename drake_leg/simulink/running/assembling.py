@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from drake_leg.simulink.running.code import CONTINUOUS, MAJOR, Section, needed
+from drake_leg.simulink.running.code import CONTINUOUS, MAJOR, Section
 from drake_leg.simulink.running.loops import LoopSection
 
 
@@ -120,3 +120,14 @@ def _settled(lines: Sequence[str]) -> Section:
     section = Section(title="", lines=list(lines), rate=CONTINUOUS)
     section.settle()
     return section
+
+
+def needed(sections: Sequence[Section], goals: Iterable[str]) -> list[Section]:
+    """Select the sections that make what is wanted, in order."""
+    wanted = set(goals)
+    found: list[Section] = []
+    for section in reversed(sections):
+        if section.makes & wanted:
+            wanted |= section.reads | set(section.gates)
+            found.append(section)
+    return found[::-1]

@@ -490,14 +490,3 @@ class Writer:
             )
             section.settle()
             self.pen.sections.append(section)
-
-
-def needed(sections: Sequence[Section], goals: Iterable[str]) -> list[Section]:
-    """Select the sections that make what is wanted, in order."""
-    wanted = set(goals)
-    found: list[Section] = []
-    for section in reversed(sections):
-        if section.makes & wanted:
-            wanted |= section.reads | set(section.gates)
-            found.append(section)
-    return found[::-1]

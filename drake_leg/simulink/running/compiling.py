@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -28,9 +27,9 @@ from drake_leg.simulink.running.code import (
     UnknownShapeError,
     Writer,
 )
+from drake_leg.simulink.running.entries import bus_at, signal_at
 from drake_leg.simulink.running.kinds import Kind, kind_of
 from drake_leg.simulink.running.kinds.options import require_usual
-from drake_leg.simulink.running.kinds.routing import written_bus
 from drake_leg.simulink.running.loops import closed, opened, widened
 from drake_leg.simulink.running.motions import motion_entries
 from drake_leg.simulink.running.network import Node, SignalNetwork
@@ -333,9 +332,9 @@ class _Pass:
             if port not in self._network.sensed:
                 continue
             if port in self._ports.buses:
-                code = _bus_at(vector, places[port].start, self._ports.buses[port])
+                code = bus_at(vector, places[port].start, self._ports.buses[port])
             else:
-                code = _at(vector, places[port].start, self._ports.shapes.get(port, ()))
+                code = signal_at(vector, places[port].start, self._ports.shapes.get(port, ()))
             name = self.pen.name(f"sensed_{port}")
             self.pen.run(
                 Section(title=f"sensed at {port}", lines=[f"{name} = {code}"], rate=CONTINUOUS)
@@ -487,20 +486,3 @@ def _is_lasting(name: str, pen: Pen) -> bool:
     from drake_leg.simulink.running.code import NAMESPACE
 
     return name in NAMESPACE or name in pen.constants
-
-
-def _at(vector: str, start: int, shape: tuple[int, ...]) -> str:
-    """Write a signal that is some entries of a vector."""
-    if shape == ():
-        return f"float({vector}[{start}])"
-    code = f"{vector}[{start}:{start + math.prod(shape)}]"
-    return f"{code}.reshape({shape})" if len(shape) == 2 else code
-
-
-def _bus_at(vector: str, start: int, bus: Bus) -> str:
-    """Write a bus whose signals are entries of a vector."""
-    named: dict[str, str] = {}
-    for name, shape in bus:
-        named[name] = _at(vector, start, shape)
-        start += math.prod(shape)
-    return written_bus(named)
