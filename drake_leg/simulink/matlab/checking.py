@@ -13,13 +13,13 @@ from drake_leg.simulink.matlab.names import assigned, names_in
 from drake_leg.simulink.matlab.numeric import SCRIPT_LENGTH, MatlabError
 from drake_leg.simulink.matlab.parser import Parser
 from drake_leg.simulink.matlab.specials import COMMANDS, SPECIAL
-from drake_leg.simulink.matlab.syntax import tokenize
+from drake_leg.simulink.matlab.tokens import DECLARATIONS, tokenize
 
 
 def checked_functions(
     script: str,
     *,
-    refused: tuple[str, ...] = syntax.DECLARATIONS,
+    refused: tuple[str, ...] = DECLARATIONS,
     beside: Callable[[str], bool] | None = None,
 ) -> tuple[syntax.Function, ...]:
     """Parse the functions of a block, its own first.

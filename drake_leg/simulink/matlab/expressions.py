@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.numeric import NESTING, MatlabError
-from drake_leg.simulink.matlab.syntax import Token
+from drake_leg.simulink.matlab.tokens import Token
 
 _COLON = 6
 _LEVELS = {

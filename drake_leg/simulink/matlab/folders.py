@@ -15,7 +15,7 @@ from drake_leg.simulink.matlab.frames import File
 from drake_leg.simulink.matlab.live import code_of
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.parser import Parser
-from drake_leg.simulink.matlab.syntax import tokenize
+from drake_leg.simulink.matlab.tokens import tokenize
 
 SCRIPTS = (".mlx", ".m")  # of two in one folder, the first is taken
 MODELS = (".slx", ".mdl")

@@ -10,7 +10,7 @@ from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.expressions import ExpressionParser
 from drake_leg.simulink.matlab.inner_functions import beside_one_another
 from drake_leg.simulink.matlab.numeric import MatlabError
-from drake_leg.simulink.matlab.syntax import DECLARATIONS, JUMPS, REFUSED
+from drake_leg.simulink.matlab.tokens import DECLARATIONS, JUMPS, REFUSED
 
 _SEPARATORS = (";", ",", "\n")
 

@@ -20,7 +20,7 @@ from drake_leg.simulink.matlab.interpreter import Interpreter
 from drake_leg.simulink.matlab.names import names_in
 from drake_leg.simulink.matlab.numeric import ELEMENTS, VALUE_LENGTH, MatlabError, quiet
 from drake_leg.simulink.matlab.parser import Parser
-from drake_leg.simulink.matlab.syntax import tokenize
+from drake_leg.simulink.matlab.tokens import tokenize
 
 STEPS = 1_000_000  # of one call of a function block
 

@@ -32,7 +32,7 @@ from drake_leg.simulink.matlab.numeric import MatlabError, quiet
 from drake_leg.simulink.matlab.parser import Parser
 from drake_leg.simulink.matlab.program import parsed_expression
 from drake_leg.simulink.matlab.specials import SPECIAL
-from drake_leg.simulink.matlab.syntax import tokenize
+from drake_leg.simulink.matlab.tokens import tokenize
 
 MOST_KEPT = 1_000  # lines of output, and things that are skipped
 SHARE = 0.4  # of all steps, that one script may take

@@ -9,7 +9,7 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.archive import parameters, plain_name
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.parser import Parser
-from drake_leg.simulink.matlab.syntax import tokenize
+from drake_leg.simulink.matlab.tokens import tokenize
 from drake_leg.simulink.stateflow.data import INTEGERS, NUMBERS
 from drake_leg.simulink.stateflow.labels import state_label, transition_label
 from drake_leg.simulink.stateflow.machine import Actions, Datum, Machine, State, Transition
