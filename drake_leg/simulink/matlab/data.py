@@ -189,7 +189,7 @@ def kind_of(value: Any) -> str:  # noqa: ANN401
         Structs: "struct",
         Function: "function_handle",
     }
-    return kinds.get(type(value), "double")
+    return kinds.get(type(value), str(getattr(value, "KIND", "double")))
 
 
 def extent(value: Any) -> tuple[int, ...]:  # noqa: ANN401

@@ -238,9 +238,10 @@ QUIET = frozenset(_QUIET.split())  # they only arrange, print or wait
 _PICTURES = (
     "addpoints animatedline annotation area bar bode cla clf colormap comet contour errorbar "
     "exportFig exportgraphics fill fill3 gca gcf get getframe histogram histogram2 image imagesc "
-    "imread imshow line linkaxes loglog mesh movie nyquist patch plot plot3 plotyy polarplot print "
-    "pzmap quiver quiver3 rlocus rotate3d saveas savefig scatter scatter3 semilogx semilogy set "
-    "sgtitle show stairs stem subplot surf text trisurf waitbar xlim xline ylim yline zlim zoom"
+    "impulse imread imshow line linkaxes loglog margin mesh movie nichols nyquist patch plot "
+    "plot3 plotyy polarplot print pzmap quiver quiver3 rlocus rotate3d saveas savefig scatter "
+    "scatter3 semilogx semilogy set sgtitle show stairs stem step subplot surf text trisurf "
+    "waitbar xlim xline ylim yline zlim zoom"
 )
 _MODELS = (
     "add_block add_line bdclose close_system delete_block delete_line find_system gcb gcs "

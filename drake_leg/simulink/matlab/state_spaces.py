@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.linalg
@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 class StateSpace(Struct):
     """A linear system: its fields A, B, C, D, also as small letters, and Ts, 0 if continuous."""
+
+    KIND: ClassVar[str] = "ss"
 
     @property
     def matrices(self) -> tuple[Array, Array, Array, Array]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from drake_leg.simulink.matlab.numeric import MatlabError
 class TransferFunction:
     """A fraction of polynomials in s, the highest powers first."""
 
+    KIND: ClassVar[str] = "tf"
     numerator: NDArray[np.float64]
     denominator: NDArray[np.float64]
 

@@ -41,6 +41,13 @@ def test_a_transfer_function_in_state_space_has_its_values():
     assert value.item() == pytest.approx((2 * s**2 + s + 3) / (s**2 + 2 * s + 5), rel=1e-13)
 
 
+def test_linear_systems_have_classes_and_their_pictures_are_not_drawn():
+    found = ran("a = class(tf(1, [1 1])); b = class(ss(1, 1, 1, 0));")
+    assert (found["a"], found["b"]) == ("tf", "ss")
+    assert "a ss is used" in said("x = sin(ss(1, 1, 1, 0));")
+    assert "pictures are not drawn" in said("step(tf(1, [1 1]))")
+
+
 def test_a_discrete_regulator_solves_its_equation():
     found = ran(f"{SYSTEM}d = c2d(sys, 0.1); Q = eye(2); [K, S] = dlqr(d.A, d.B, Q, 2); "
                 "L = dlqr(d, Q, 2); a = d.A; b = d.B;")  # fmt: skip
