@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -86,6 +87,8 @@ class Moment:
         """Take another state, positions and velocities."""
         if np.array_equal(state, self._state):
             return
+        if not math.isfinite(state.sum()):  # at which Drake would end Python
+            raise ArithmeticError("a position or velocity of the mechanism is not finite")
         q = self.q
         self._state = state.copy()
         self.q, self.v = np.split(self._state, [self.plant.num_positions()])

@@ -224,3 +224,14 @@ def test_a_mechanism_that_stands_still_is_one(tmp_path):
     context = system.CreateDefaultContext()
     assert system.GetOutputPort("state").Eval(context).size == 0
     assert system.GetOutputPort("efforts").Eval(context).size == 0
+
+
+@pytest.mark.parametrize("state", [[math.nan, 0.0], [0.0, math.inf]])
+def test_a_state_that_is_not_finite_ends_a_run_and_not_python(state, tmp_path):
+    """Drake raises SystemExit there, which would take the recording with it."""
+    built = pendulum(SpringStiffness="2", SpringStiffnessUnits="N*m/rad")
+    system = dynamics(built, tmp_path)
+    context = system.CreateDefaultContext()
+    context.get_mutable_continuous_state_vector().SetFromVector(state)
+    with pytest.raises(ArithmeticError, match="of the mechanism is not finite"):
+        system.EvalTimeDerivatives(context)
