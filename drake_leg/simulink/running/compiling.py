@@ -35,9 +35,10 @@ from drake_leg.simulink.running.motions import motion_entries
 from drake_leg.simulink.running.network import Node, SignalNetwork
 from drake_leg.simulink.running.ordering import AlgebraicLoop, ordered
 from drake_leg.simulink.running.rates import Rate, Rates
-from drake_leg.simulink.running.settings import Signal, shape_of, zero_like
+from drake_leg.simulink.running.settings import Settings, Signal, shape_of, zero_like
 
 PASSES = 12
+_STATES = ("Integrator", "DiscreteIntegrator", "UnitDelay", "Memory")
 A_RUN = "a run"
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -133,6 +134,45 @@ def _attempt(
     solve_loops: bool,
     begins: float = 0.0,
 ) -> tuple[_Pass, list[str]]:
+    """Write all blocks, and list all that fails.
+
+    States of one number whose products with matrices are taken are tried as vectors that the
+    matrices fit, where they became matrices, or some blocks fail though all values are known.
+    """
+    job, problems = _settle(network, ports, fixed_step, solve_loops, begins, {})
+    if job.lacks:
+        return job, problems
+    asked = _asked_by_matrices(network)
+    became_matrices = any(len(job.pen.shapes.get(name, ())) > 1 for name in asked)
+    if asked and (problems or became_matrices):
+        other = _settle(network, ports, fixed_step, solve_loops, begins, asked)
+        if len(other[1]) < len(problems) + became_matrices:
+            return other
+    return job, problems
+
+
+def _asked_by_matrices(network: SignalNetwork) -> dict[str, tuple[int, ...]]:
+    """Return the lengths of states that matrices multiply, by the names of states and memories."""
+    found: dict[str, tuple[int, ...]] = {}
+    for node in network.nodes.values():
+        if node.block.kind != "Gain" or not node.inputs or node.inputs[0] is None:
+            continue
+        settings, sid = Settings(node.block), node.inputs[0].partition("#")[0]
+        if settings.text("Multiplication", "").startswith("Matrix(K*u)"):
+            width = settings.matrix("Gain", "1").shape[1]
+            if width > 1 and sid in network.nodes and network.nodes[sid].block.type in _STATES:
+                found |= {f"{sid}.0": (width,), f"{sid}.m0": (width,)}
+    return found
+
+
+def _settle(
+    network: SignalNetwork,
+    ports: Ports,
+    fixed_step: float | None,
+    solve_loops: bool,
+    begins: float,
+    shapes: dict[str, tuple[int, ...]],
+) -> tuple[_Pass, list[str]]:
     """Write all blocks until the shapes of all signals are found, and list all that fails."""
     nodes = {sid: (node, kind) for sid, node in network.nodes.items() if (kind := kind_of(node))}
     rates = Rates(nodes, fixed_step)
@@ -143,7 +183,6 @@ def _attempt(
         if isinstance(each, AlgebraicLoop)
         and not (each.is_open and (solve_loops or each.is_constrained))
     ]
-    shapes: dict[str, tuple[int, ...]] = {}
     guesses: dict[str, Signal] = {}
     widenings: Counter[AlgebraicLoop] = Counter()
     asked = _asked(network, ports)

@@ -7,6 +7,7 @@ from moving import GRAVITY, falling
 from rigs import Rig, shown
 from scipy import signal
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 from slx_models import published_leg
 
 from drake_leg.errors import InvalidValueError
@@ -574,3 +575,23 @@ def test_a_run_forgets_what_was_not_finite_in_the_one_before(tmp_path):
     first, second = run_model(ready), run_model(ready)
     assert first.stopped
     assert (second.stopped, second.steps) == (first.stopped, first.steps)
+
+
+def test_an_observer_has_as_many_states_as_its_matrices_fit(tmp_path):
+    """x' = A x + L (y - C x) of one start: what fails for one number is tried for a vector."""
+    A, L, C = "[0 1; -2 -3]", "[4; 5]", "[1 0.5]"
+    rig = Rig()
+    times = {"Multiplication": "Matrix(K*u)"}
+    x = rig.block("Integrator", "x", InitialCondition="0.25")
+    rig.blocks[x].ports["in"] = 1
+    seen = rig.block("Gain", "C", x, Gain=C, **times)
+    error = rig.block("Sum", "error", rig.constant("1"), seen, Inputs="+-")
+    fed = rig.block("Gain", "L", error, Gain=L, **times)
+    own = rig.block("Gain", "A", x, Gain=A, **times)
+    rig.connect(rig.block("Sum", "rate", own, fed, Inputs="++"), f"{x}#in:1")
+    rig.show(x, "x")
+    run = rig.run(tmp_path)
+    M = np.array([[0.0, 1.0], [-2.0, -3.0]]) - np.outer([4.0, 5.0], [1.0, 0.5])
+    rest = -np.linalg.solve(M, [4.0, 5.0])
+    exact = [rest + expm(M * t) @ (np.full(2, 0.25) - rest) for t in run.time]
+    np.testing.assert_allclose(shown(run, "x"), exact, atol=1e-8)
