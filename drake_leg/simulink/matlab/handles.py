@@ -1,7 +1,8 @@
-"""Objects that scripts share by reference: ``containers.Map`` and ``inputParser``."""
+"""Objects that scripts share: ``containers.Map``, ``inputParser``, ``Simulink.Parameter``."""
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -341,6 +342,48 @@ def _parser(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> 
     return [InputParser()]
 
 
+# --- Simulink.Parameter -----------------------------------------------------------------------
+
+
+class Parameter(Object):
+    """A value for parameters of blocks, with what is said about it."""
+
+    kind = "Simulink.Parameter"
+
+    def __init__(self, value: Any) -> None:
+        none = np.zeros((0, 0))
+        self.held: dict[str, Any] = {
+            "Value": value, "DataType": "auto", "Min": none, "Max": none, "Unit": "",
+            "DocUnits": "", "Description": "", "Complexity": "real", "Dimensions": none,
+            "CoderInfo": Struct(StorageClass="Auto"), "StorageClass": "Auto",
+        }  # fmt: skip
+
+    def property(self, name: str) -> Any:
+        """Return its value, or what is said about it."""
+        return self.held[name] if name in self.held else super().property(name)
+
+    def set(self, name: str, value: Any) -> None:
+        """Change its value, or what is said about it."""
+        if name not in self.held:
+            super().set(name, value)
+        self.held[name] = value
+
+
+def _parameter(self: Interpreter, arguments: Values, wanted: int, frame: Frame) -> Values:
+    if len(arguments) > 1:
+        raise LackError("'Simulink.Parameter' takes one value")
+    return [Parameter(arguments[0] if arguments else np.zeros((0, 0)))]
+
+
+class OfBlocks(ChainMap[str, Any]):
+    """Variables as parameters of blocks see them: of a `Parameter`, its value."""
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a value."""
+        value = super().__getitem__(name)
+        return value.held["Value"] if isinstance(value, Parameter) else value
+
+
 METHODS: Mapping[str, Method] = {
     "keys": _keys,
     "values": _map_values,
@@ -355,4 +398,8 @@ METHODS: Mapping[str, Method] = {
     "addSwitch": _adds("switch"),
     "parse": _parse,
 }
-HANDLES: dict[str, Any] = {"containers.Map": _map, "inputParser": _parser}
+HANDLES: dict[str, Any] = {
+    "containers.Map": _map,
+    "inputParser": _parser,
+    "Simulink.Parameter": _parameter,
+}

@@ -6,7 +6,6 @@ where it is more or none, a str, a `Struct` (or `Structs`), a `Cell` or a `Funct
 
 from __future__ import annotations
 
-from collections import ChainMap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,7 +22,7 @@ from drake_leg.simulink.matlab.data import (
 )
 from drake_leg.simulink.matlab.folders import SCRIPTS, Folders, parsed, text_of
 from drake_leg.simulink.matlab.frames import Drawing, File, Frame, MaskedBlock, Values
-from drake_leg.simulink.matlab.handles import METHODS
+from drake_leg.simulink.matlab.handles import METHODS, OfBlocks
 from drake_leg.simulink.matlab.interpreter import Interpreter
 from drake_leg.simulink.matlab.library import CONSTANTS, KNOWN, NOT_RUN
 from drake_leg.simulink.matlab.matfiles import read_mat
@@ -236,7 +235,7 @@ class Workspace:
         InvalidValueError
             If it is not well formed, or cannot be evaluated.
         """
-        values = ChainMap(dict(local or {}), self.variables)
+        values = OfBlocks(dict(local or {}), self.variables)
         try:
             node = parsed_expression(expression)
             unknown = self.missing(names_in(node), values)

@@ -81,6 +81,16 @@ def test_a_key_that_is_not_there_is_told():
     assert "has no property 'Sort'" in reasons[2]
 
 
+def test_parameters_of_blocks_take_the_value_of_a_parameter_object():
+    found = ran(
+        "gain = Simulink.Parameter(3); mass = Simulink.Parameter; mass.Value = [1 2];\n"
+        "mass.CoderInfo.StorageClass = 'Auto'; mass.Unit = 'kg'; twice = 2*mass.Value;\n"
+        "motor = Simulink.Parameter(struct('R', 4)); wrong = gain.Valeu;"
+    )
+    assert found.evaluate("[gain*mass motor.R twice]").tolist() == [[3, 6, 4, 2, 4]]
+    assert [one.what for one in found.skipped] == ["wrong"]
+
+
 def test_errors_are_raised_again():
     found = ran(
         "try, error('a:b', 'x %d', 3); catch e, try, rethrow(e); catch f, end, end\n"
