@@ -15,6 +15,7 @@ from drake_leg.simulink.stateflow.labels import state_label, transition_label
 from drake_leg.simulink.stateflow.machine import Actions, Datum, Machine, State, Transition
 
 _MATLAB = "2"  # of the action languages
+MOST_STATES = 2000
 _SCOPES = ("INPUT_DATA", "OUTPUT_DATA", "LOCAL_DATA", "CONSTANT_DATA", "PARAMETER_DATA")
 _INHERITED = "Inherit:"
 
@@ -61,6 +62,7 @@ class _Reader:
         self.junctions: list[str] = []
         self.data: list[Datum] = []
         self.functions: list[str] = []
+        self._states = 0
 
     def fill(self, state: State, element: Element) -> None:
         """Read what a chart or a state holds."""
@@ -92,6 +94,9 @@ class _Reader:
                     f"has states in its box {name!r}, which do not run: take them out of the box"
                 )
             return
+        self._states += 1
+        if self._states > MOST_STATES:
+            raise InvalidValueError(f"has more than {MOST_STATES} states, as no chart has")
         if kind not in ("OR_STATE", "AND_STATE"):
             raise InvalidValueError(f"has {name!r} of the kind {kind!r}, which does not run")
         found = State(

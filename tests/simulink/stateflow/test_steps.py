@@ -321,3 +321,11 @@ def test_a_net_of_junctions_ends_with_a_sentence():
     made.way("J38", "Off")
     with pytest.raises(InvalidValueError, match="more than 20000 lines of code"):
         made.code()
+
+
+def test_a_chart_of_very_many_states_ends_with_a_sentence():
+    made = switched()
+    for number in range(2001):
+        made.state(f"S{number}")
+    with pytest.raises(InvalidValueError, match="more than 2000 states"):
+        made.code()
