@@ -115,11 +115,6 @@ class Scope:
         return self._settled.changes
 
 
-def no_names() -> Scope:
-    """Make a scope without names."""
-    return Scope(no_variables())
-
-
 def settled(
     diagram: Diagram, variables: Variables | None = None, masked: DrawnBlock | None = None
 ) -> tuple[Diagram, dict[str, Scope]]:

@@ -49,7 +49,6 @@ GREATEST, LEAST = "max", "min"
 MOST_MESSAGES = 10  # that a page lists
 MOST_PLOTS = 6  # that are drawn where none is asked for
 FORMATS = ("svg", "png")
-EXTREMES = ("field", "least", "in run", "median", "greatest", "in run")
 
 
 def label(plan: Plan, name: str) -> str:

@@ -20,6 +20,7 @@ from drake_leg.simulink.multibody.plant import set_posture
 
 CLOSED = 1e-6  # [m, rad], of loops and constraints at the start
 ROUNDING = 1e-12  # [m, rad]
+FAR = 0.5  # [m, rad], from where loops may close to either side
 STEPS = 60
 LONGEST = 0.3  # [rad or m], of a step
 REDUNDANT = 1e-9  # of the greatest singular value
@@ -54,6 +55,16 @@ def start_of(acting: Acting, u: Array | None = None) -> Array:
     state = _met(acting, state, u)
     state[plant.num_positions() :] = prioritized(_levels(acting, u), plant.num_velocities())
     return state
+
+
+def unguided_loops(acting: Acting, u: Array | None = None) -> list[str]:
+    """Name the joints at which loops close far from 0 while no state target says to which side."""
+    given, assembly = _given(acting, u), Assembly(acting.mechanism)
+    loops = acting.mechanism.loops
+    if not loops or np.delete(assembly.aimed, list(given)).any():
+        return []
+    moved = np.delete(assembly.assembled(given)[0], list(given))
+    return [joint.block.name for joint in loops] if np.abs(moved).max(initial=0.0) > FAR else []
 
 
 def _met(acting: Acting, state: Array, u: Array | None) -> Array:

@@ -19,7 +19,7 @@ from drake_leg.simulink.dynamics.acting import Acting
 from drake_leg.simulink.dynamics.applied import LawOfContact
 from drake_leg.simulink.dynamics.at_ports import AtPorts
 from drake_leg.simulink.dynamics.driven import DrivenMechanism, is_driven
-from drake_leg.simulink.dynamics.start import start_of
+from drake_leg.simulink.dynamics.start import start_of, unguided_loops
 from drake_leg.simulink.model import Model
 from drake_leg.simulink.multibody.bodies import Mechanism, mechanism_of
 from drake_leg.simulink.multibody.connections import refuse
@@ -87,6 +87,10 @@ class MechanismSystem(AtPorts, Diagram):
         context = super().CreateDefaultContext()
         self.start(context)
         return context
+
+    def unguided_loops(self, u: Array | None = None) -> list[str]:
+        """Name the joints at which loops close while no state target says to which side."""
+        return unguided_loops(self._acting, u)
 
     @property
     def contact(self) -> Contact:

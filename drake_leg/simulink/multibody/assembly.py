@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drake_leg.simulink.mechanism import inverse
 from drake_leg.simulink.multibody.bodies import Joint, Mechanism
+from drake_leg.simulink.multibody.joints import Primitive
 from drake_leg.simulink.multibody.mass import Array
 
 STEPS = 60
@@ -36,9 +37,17 @@ class Assembly:
     @property
     def firm(self) -> Array:
         """Tell which positions have a target of high priority."""
+        return self._which(lambda primitive: primitive.target is not None and primitive.firm)
+
+    @property
+    def aimed(self) -> Array:
+        """Tell which positions have a target."""
+        return self._which(lambda primitive: primitive.target is not None)
+
+    def _which(self, holds: Callable[[Primitive], bool]) -> Array:
         return np.array(
             [
-                primitive.target is not None and primitive.firm
+                holds(primitive)
                 for joint in self._joints
                 for primitive in joint.primitives
                 for _ in range(primitive.positions)

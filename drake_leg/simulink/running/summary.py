@@ -162,6 +162,12 @@ def remarks_of(model: Model, ready: Runnable, run: ModelRun) -> Iterator[str]:
     if ready.network.entries:
         names = some_of([block.name for block in ready.network.entries], SHOWN)
         yield f"nothing is given at the model's own ports, which are 0: {names}"
+    mechanism = ready.diagram.mechanism
+    if isinstance(mechanism, MechanismSystem) and (ends := mechanism.unguided_loops(ready.start)):
+        yield (
+            f"no state target says to which side the loops at {some_of(ends, SHOWN)} close, and "
+            "Simulink may start from the mirror image: give one of their joints a position target"
+        )
     if ready.code.lagging:
         nodes = ready.network.nodes
         sids = [split_port(port)[0] for port in ready.code.lagging]

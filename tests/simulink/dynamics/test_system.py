@@ -235,3 +235,15 @@ def test_a_state_that_is_not_finite_ends_a_run_and_not_python(state, tmp_path):
     context.get_mutable_continuous_state_vector().SetFromVector(state)
     with pytest.raises(ArithmeticError, match="of the mechanism is not finite"):
         system.EvalTimeDerivatives(context)
+
+
+@pytest.mark.parametrize(
+    ("lengths", "target", "names"),
+    [
+        ({}, {}, ["D"]),
+        ({}, {"PositionTargetSpecify": "on", "PositionTargetValue": "20"}, []),
+        ({"ground": 0.7}, {}, []),  # closed at 0
+    ],
+)
+def test_loops_that_may_close_to_either_side_are_named(lengths, target, names, tmp_path):
+    assert dynamics(four_bar(**lengths, **target), tmp_path).unguided_loops() == names
