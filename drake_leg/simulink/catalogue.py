@@ -533,6 +533,7 @@ _SIMULINK: dict[str, Parameters] = {
     "Chirp Signal": numbers(f1="0.1", T="100", f2="1"),
     "Repeating Sequence": numbers(rep_seq_t="[0 2]", rep_seq_y="[0 2]"),
     "Repeating Sequence Stair": numbers(OutValues="[3 1 4 2 1]"),
+    "PWM": numbers(Period="1", InitialDelay="0"),
     "Slider Gain": numbers(low="0", gain="1", high="2"),
     "PID Controller": choices(Controller="PID", Form="Parallel")
     + numbers(P="1", I="1", D="0", N="100"),

@@ -121,3 +121,29 @@ def test_a_function_in_a_file_sees_the_global_variables_of_scripts(tmp_path):
     run = rig.run(tmp_path, 0.5)
     sample = np.floor(run.time / STEP + 1e-9)
     np.testing.assert_array_equal(shown(run, "y"), 42.0 + 2.0 * sample)
+
+
+PWM = "simulink/Discontinuities/PWM"
+
+
+def test_pulses_last_as_long_as_the_width_that_came_at_their_start(tmp_path):
+    """The mean over each period is the width then: 0.2, 0.6 and so on of a ramp."""
+    rig = Rig()
+    ramp = rig.block("Clock", "clock")
+    given = {"Period": "0.2", "InitialDelay": "0.1", "SampleTime": "0.01",
+             "RunAtFixedTimeIntervals": "on"}  # fmt: skip
+    rig.show(rig.block(PWM, "pulses", ramp, **given), "pulses")
+    run = rig.run(tmp_path, 1.0)
+    found = shown(run, "pulses").ravel()
+    for t, value in zip(run.time, found, strict=True):
+        start = 0.1 + 0.2 * np.floor((t - 0.1) / 0.2 + 1e-9)
+        if abs((t / 0.01) % 1.0 - 0.5) < 0.4:  # away from the samples
+            place = np.floor((t - start) / 0.01 + 1e-6)
+            assert value == float(t > 0.1 and place < start * 20 - 1e-6), t
+
+
+def test_pulses_at_times_of_their_own_are_refused(tmp_path):
+    rig = Rig()
+    rig.show(rig.block(PWM, "pulses", rig.constant("0.5"), Period="1"), "y")
+    with pytest.raises(InvalidValueError, match="let it run at fixed time intervals"):
+        rig.values(tmp_path)

@@ -153,3 +153,25 @@ def backlash(w: Writer) -> None:
     low, high = f"{u.code} - {half!r}", f"{u.code} + {half!r}"
     one = Operand(code=before.code, value=u.value)
     w.kept["output"] = w.out(limit_code(one, low, high)).code
+
+
+def _pulses_after(w: Writer) -> None:
+    w.remember(w.kept["duty"])
+
+
+@kind("PWM", finish=_pulses_after)
+def pulses_of_width(w: Writer) -> None:
+    """Put out pulses; their width is the part of a period that came in at its start."""
+    s = w.settings
+    period, delay = s.number("Period", "1"), s.number("InitialDelay", "0")
+    if not (s.is_on("RunAtFixedTimeIntervals") and w.period):
+        raise w.fault("makes pulses at times of their own: let it run at fixed time intervals")
+    steps = round(period / w.period)
+    if steps < 1 or abs(steps * w.period - period) > 1e-9 * period:
+        raise w.fault(f"has a period of {period:g} s, which is no multiple of {w.period:g} s")
+    place = w.let(f"rounded((t - {literal(delay)}) / {literal(w.period)})", "place").code
+    since = w.let(f"modulo({place}, {literal(float(steps))})", "since").code
+    before = w.remembered(0.0, wish="duty_before").code
+    duty = w.let(f"{w.number().code} if {since} == 0.0 else {before}", "duty").code
+    w.kept["duty"] = duty
+    w.out(f"1.0 if {place} >= 0.0 and {since} < {duty} * {steps} - 1e-9 else 0.0")

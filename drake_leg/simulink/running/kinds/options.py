@@ -59,6 +59,7 @@ USUAL: Mapping[str, Usual] = {
     "Lookup_n-D": _TABLE,
     "Merge": {"AllowUnequalInputPortWidths": ("off",)},
     "Moving Average": {"ForgettingFactorPort": ("off",), "Method": ("Sliding window",)},
+    "PWM": {"DisallowZeroDutyCycle": ("off",)},
     "Sum": {"CollapseMode": ("All dimensions",)},
     "Product": {"CollapseMode": ("All dimensions",)},
 }
