@@ -13,7 +13,7 @@ def friction(
     ``threshold`` is the velocity at which it is the breakaway friction.
     """
     share = velocity / (math.sqrt(2.0) * threshold)
-    stribeck = math.sqrt(2.0 * math.e) * (breakaway - coulomb) * share * math.exp(-(share**2))
+    stribeck = math.sqrt(2.0 * math.e) * (breakaway - coulomb) * share * math.exp(-share * share)
     return stribeck + coulomb * math.tanh(10.0 * velocity / threshold) + viscous * velocity
 
 

@@ -187,13 +187,18 @@ class SignalSystem(LeafSystem):
     def _computed(
         self, function: Callable[..., Array], arguments: tuple[Any, ...], size: int
     ) -> Array:
-        """Call a function; where an algebraic loop is not solved, what it returns is no number."""
+        """Call a function; what it returns is no number where a loop of it is not solved.
+
+        So it is where a number of it becomes too large.
+        """
         why = ""
         try:
             with np.errstate(all="ignore"):
                 found = function(*arguments)
         except UnsolvedLoopError as error:
             found, why = np.full(size, math.nan), str(error)
+        except OverflowError:  # a power, where NumPy's would be infinite
+            found, why = np.full(size, math.nan), "a signal becomes too large for a number"
         self._require_finite(function.__name__, found, _Lost(arguments=arguments, why=why))
         return found
 

@@ -6,6 +6,9 @@ from rigs import Rig, shown
 from scipy import signal
 
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.reader import read_model
+from drake_leg.simulink.running.network_laws import friction
+from drake_leg.simulink.running.running import runnable
 
 STEP = 0.1  # [s]
 
@@ -147,3 +150,19 @@ def test_pulses_at_times_of_their_own_are_refused(tmp_path):
     rig.show(rig.block(PWM, "pulses", rig.constant("0.5"), Period="1"), "y")
     with pytest.raises(InvalidValueError, match="let it run at fixed time intervals"):
         rig.values(tmp_path)
+
+
+def test_what_becomes_too_large_is_no_number_and_said(tmp_path):
+    assert friction(1e200, 2.0, 1.0, 0.5, 0.1) == pytest.approx(5e199)
+    rig = Rig()
+    rig.show(rig.block("Integrator", "x", rig.constant("1")), "x")
+    model = read_model(rig.write(tmp_path / "m.slx"))
+    signals = runnable(model, duration=1.0).diagram.signals
+    signals.forget()
+
+    def derivatives(t, x, m, y, e):
+        return np.array([x[0] ** 3])
+
+    found = signals._computed(derivatives, (0.0, [1e200], [], np.zeros(0), np.zeros(0)), 1)
+    assert np.isnan(found).all()
+    assert signals.what_is_not_finite() == "a signal becomes too large for a number"
