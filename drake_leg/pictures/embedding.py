@@ -19,8 +19,9 @@ PNG = "data:image/png;base64,"
 PLACES = ("points", "x", "y", "x1", "y1", "x2", "y2")
 SHIFT = re.compile(r"translate\([^)]*\)")
 COORDINATE = re.compile(r"(?<![\w.])[1-9]\d*\.\d{3,}(?!\w)")
-EXACT = {"lossless": True, "quality": 75, "method": 4}  # half as large as a PNG
-STILL = {"quality": 90, "method": 4, "use_sharp_yuv": True}  # of a view with shades
+# By method 2, which takes half the time of method 4, and 2 % more room.
+EXACT = {"lossless": True, "quality": 75, "method": 2}  # half as large as a PNG
+STILL = {"quality": 90, "method": 2, "use_sharp_yuv": True}  # of a view with shades
 PLAIN = ' !$"()*+,-./:;<=>?@[]_~'  # needs no escape in an address between single quotes
 
 

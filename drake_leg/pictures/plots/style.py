@@ -6,6 +6,7 @@ import io
 import math
 import re
 from collections.abc import Mapping, Sequence
+from functools import cache, lru_cache
 from itertools import cycle
 from pathlib import Path
 from textwrap import wrap
@@ -17,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
+from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Annotation, Text
 from matplotlib.ticker import Locator, MaxNLocator
 
@@ -108,6 +110,7 @@ SIDE_BY_SIDE = (1, 2)  # rows and columns
 MOST_NARROW_TICKS = 6
 FORMULA = re.compile(r"\$[^$]*\$")
 TIED = "\N{NO-BREAK SPACE}"
+MOST_FORMULAS = 1000  # in any size, kept from figure to figure
 POINTS = 72.0  # [1/inch]
 SHOWN_DPI = 100.0  # of figures that a notebook shows
 
@@ -125,12 +128,27 @@ def new_figure(
     title: str, *, rows: int = 1, columns: int = 1, width: float = 7.2, height: float = 3.6
 ) -> tuple[Figure, list[Axes]]:
     """Make a figure with axes in rows, which share their x axis, and columns; sizes in inch."""
+    _keep_formulas()
     with mpl.rc_context(STYLE):
         figure = ShownFigure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots(rows, columns, sharex=rows > 1, squeeze=False).ravel()
         figure.suptitle(title, **TITLE)
     return figure, list(axes)
+
+
+@cache
+def _keep_formulas() -> None:
+    """Keep all formulas that were set: Matplotlib keeps 50, and sets them anew for every file."""
+    parse: Any = getattr(MathTextParser, "_parse_cached", None)
+    if not hasattr(parse, "__wrapped__"):
+        return
+    kept, parsers = lru_cache(MOST_FORMULAS)(parse.__wrapped__), dict[str, Any]()
+
+    def once(parser: Any, *given: object) -> object:  # noqa: ANN401 - Matplotlib's
+        return kept(parsers.setdefault(parser._output_type, parser), *given)
+
+    MathTextParser._parse_cached = once  # type: ignore[attr-defined]
 
 
 def claim(axes: Axes, text: str) -> None:

@@ -13,6 +13,7 @@ from drake_leg.lab.page import page
 from drake_leg.lab.page.contents import chapters
 from drake_leg.lab.page.items import KINDS, ShownItem
 from drake_leg.lab.page.workers import working
+from drake_leg.scene import artists
 
 RUNS = {name: page.RUNS[name] for name in ("pendulum", "leg-b", "hexapod")}
 
@@ -29,8 +30,13 @@ def one_of_each_kind():
 
 @pytest.fixture
 def few(monkeypatch):
+    """Few runs and items; what a trial of VTK told this process, which one here kills, is left."""
+    monkeypatch.setattr(artists, "_TOLD", [])
+    artists.rendering_fault.cache_clear()
     monkeypatch.setattr(page, "RUNS", RUNS)
     monkeypatch.setattr(page, "ITEMS", one_of_each_kind())
+    yield
+    artists.rendering_fault.cache_clear()
 
 
 def stages(folder, workers):
@@ -84,6 +90,7 @@ def test_workers_are_stopped_at_once_where_the_work_is_interrupted():
 SCRIPT = """
 import math
 from drake_leg.lab.page.workers import working
+from drake_leg.scene import artists
 print("the script")
 with working(1) as workers:
     print(workers.submit(math.sqrt, 4.0).result())
@@ -102,6 +109,7 @@ def test_a_script_needs_no_guard(tmp_path):
 ORPHAN = """
 import os, sys
 from drake_leg.lab.page.workers import working
+from drake_leg.scene import artists
 with working(1) as workers:
     print(workers.submit(os.getpid).result(), flush=True)
     sys.stdin.read()

@@ -9,6 +9,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from chains import POSTURES
+from matplotlib._mathtext import Parser
 
 from drake_leg.colours import GREEN, VERMILLION
 from drake_leg.pictures.plots import foot_plots
@@ -578,3 +579,22 @@ def test_a_motion_that_ends_early_is_magnified_if_there_is_any_whatever_is_known
         inner = [child for axes in figure.axes for child in axes.child_axes]
         figure.draw_without_rendering()
         assert any(axes.texts for axes in inner) == (moving > 1)
+
+
+def test_a_formula_is_set_once_however_many_figures_have_it(monkeypatch):
+    """Matplotlib keeps so few that it forgets those of one figure before it saves its last form."""
+    parse, parsed = Parser.parse, []
+
+    def counted(parser, text, *given):
+        parsed.append(text)
+        return parse(parser, text, *given)
+
+    monkeypatch.setattr(Parser, "parse", counted)
+    formulas = [f"$once_{{{count}}}$" for count in range(60)]
+    for width in (2.0, 3.0):
+        figure, (axes,) = new_figure("", width=width, height=1.0)
+        axes.set_axis_off()
+        for formula in formulas:
+            axes.text(0.5, 0.5, formula)
+        figure.draw_without_rendering()
+    assert sorted(text for text in parsed if "once" in text) == sorted(formulas)
