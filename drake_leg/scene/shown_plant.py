@@ -26,6 +26,7 @@ from drake_leg.scene.skeleton import TABLE_FRAME, Skeleton
 
 PALE = (0.72, 0.73, 0.76)
 BASE_SIZE, ROD_RADIUS = 0.07, 0.009  # of the scene's size
+SHORTEST_ROD = 1e-9  # [m]
 GROUND = 3.0  # of the scene's size, from which on a shape of the world is a ground
 FIXED_GROUND = 10.0  # the same of a body that is fixed in the world, which may be a housing
 
@@ -211,11 +212,13 @@ class ShownPlant:
             yield f"much larger than what moves, and so not shown: {', '.join(names)}"
 
     def bare(self) -> list[str]:
-        """Names of the bodies that move and have no shape; rods stand for them."""
+        """Names of the bodies that move and have no shape, for which rods stand."""
         return [
             body.name()
             for body in self._bodies
-            if body.index() not in self._skeleton.anchored and not self._shapes[body.index()]
+            if body.index() not in self._skeleton.anchored
+            and not self._shapes[body.index()]
+            and any(self._rods(body, SHORTEST_ROD))
         ]
 
     def held(self) -> list[Array]:

@@ -1,7 +1,7 @@
 """``drake-leg sdf`` and ``view`` of Simulink models."""
 
 import pytest
-from mechanism_models import four_bar, pendulum
+from mechanism_models import MechanismBuilder, four_bar, pendulum
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
@@ -145,3 +145,14 @@ def test_a_picture_names_the_shapes_that_it_lacks(here):
         assert shown.notes[0] == "not shown, as no such file was found: leg.step"
         assert not shown.shows_frames
         assert scene_of(at_rest(shown)).notes[0] == shown.notes[0]
+
+
+def test_a_picture_names_no_bodies_for_which_no_rods_stand(here):
+    """The links between the axes of one joint have no length."""
+    built = MechanismBuilder()
+    built.joint("Planar", "Sliding")
+    built.body("Spherical Solid", "Ball", SphereRadius="0.1")
+    built.meet("World", "Sliding lconn:1")
+    built.meet("Sliding", "Ball")
+    with mechanism_in_3d(built.mechanism(here), [here]) as shown:
+        assert shown.notes == ()
