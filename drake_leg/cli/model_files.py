@@ -31,6 +31,12 @@ def is_model(name: str | Path) -> bool:
     return Path(name).suffix.lower() in ENDINGS
 
 
+def require_model_file(path: Path) -> None:
+    """Refuse the name of what is no Simulink file."""
+    if not is_model(path):
+        raise InvalidValueError(f"{path} is no Simulink model: give a file that ends in .slx")
+
+
 def add_model_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that say what a model's file does not."""
     parser.add_argument(

@@ -11,10 +11,9 @@ from drake_leg.cli.model_files import (
     add_feature_option,
     add_model_options,
     add_model_run_options,
-    is_model,
+    require_model_file,
 )
 from drake_leg.cli.terminal import remark
-from drake_leg.errors import InvalidValueError
 from drake_leg.files import check_file, write_text
 
 
@@ -47,8 +46,7 @@ def _port(chosen: argparse.Namespace) -> int:
     from drake_leg.cli.model_run import positive, require_meant, runnable_file
 
     path, out = Path(chosen.name), chosen.out
-    if not is_model(path):
-        raise InvalidValueError(f"{path} is no Simulink model: give a file that ends in .slx")
+    require_model_file(path)
     duration, accuracy = (positive(chosen, name) for name in ("duration", "accuracy"))
     check_file(out, endings=(".py",), overwrite=chosen.overwrite)
     from drake_leg.simulink.running.left_out import motion_of_another

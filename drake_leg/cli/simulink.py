@@ -20,6 +20,7 @@ from drake_leg.cli.model_files import (
     is_model,
     opened,
     refuse_model_options,
+    require_model_file,
 )
 from drake_leg.cli.run_options import add_run_options, fields_by_name, options_of
 from drake_leg.cli.step_file import is_step, listed_step
@@ -65,6 +66,7 @@ def _inspect(chosen: argparse.Namespace) -> int:
 
     if is_step(chosen.model):
         return _inspect_step(chosen)
+    require_model_file(Path(chosen.model))
     model = opened(chosen.model, chosen)
     if chosen.json:
         print(json.dumps(as_json(model), indent=2, allow_nan=False), flush=True)

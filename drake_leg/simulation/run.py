@@ -213,7 +213,7 @@ def require_steps(duration: float, settings: IntegratorSettings) -> None:
     require_positive("the duration", duration, "s")
     if duration / settings.max_step > STEP_BUDGET:
         raise InvalidValueError(
-            f"{duration!r} s at steps of {settings.max_step!r} s are more than the "
+            f"{duration:g} s at steps of {settings.max_step:g} s are more than the "
             f"{STEP_BUDGET} steps a run may take",
             advice="choose a shorter duration or a larger `max_step` and, where a light link's "
             "damping or a stiff spring forbids that, `integrator='radau3'`",

@@ -162,6 +162,8 @@ def test_every_example_can_be_parsed():
         ("run README.md --out x", "a robot of your own is a file that ends in .toml or .par\n"),
         ("run leg-b --amplitude 0,05 --out x", "write a decimal point, as 0.05"),
         ("compare leg-b leg.slx", "the model comes first: drake-leg compare leg.slx leg-b"),
+        ("inspect leg-b", "leg-b is no Simulink model: give a file that ends in .slx\n"),
+        ("run leg-b --duration 1e9 --out x", "1e+09 s at steps of 0.04 s are more than"),
         ("errata 5,6", "'5,6' is not the number of an erratum: write drake-leg errata 5 6\n"),
     ],
 )
