@@ -126,6 +126,7 @@ def test_a_feature_of_a_cad_program_is_placed_by_an_option(here, capsys):
     status, _, err = run(capsys, "sdf", "m.slx")
     assert (status, err.partition(": give ")[2]) == (
         2, "--feature 'leg.step:segment 3=X,Y,Z,DX,DY,DZ' [m], in the solid's reference frame\n"
+           "      its places are listed where it lies beside the model or in a given folder\n"
     )  # fmt: skip
     for words in (("sdf",), ("port", "--out", "p.py"), ("run", "--out", "r", "--duration", "0.01")):
         command, *more = words
