@@ -17,10 +17,12 @@ class GaitBlock(LeafSystem):
     """Computes the velocities of the feet for a velocity of the body.
 
     A foot that stands is at rest on the ground, so that in the body's frame it moves as the body
-    does not; a foot that swings has the velocity of its swing, too. Each foot is drawn to its
-    planned place in the body's frame, against the drift of the integrators. Where the body's pose
-    is fed back, a foot is drawn only while it swings, to where it lands under a levelled body.
-    Where the feet sense the ground, their places come from a ``TouchDown`` block.
+    does not; a foot that swings has the velocity of its swing, too, and is drawn to its planned
+    place in the body's frame, against the drift of the integrators. A foot that stands is drawn in
+    height alone: contacts hold its velocity, with the Jacobian of a step's beginning, and so it has
+    the same drift along the ground. Where the body's pose is fed back, it is not drawn at all, and
+    a swing ends where it lands under a levelled body. Where the feet sense the ground, their places
+    come from a ``TouchDown`` block.
 
     ============== ==== ==== ============ ====================================================
     port           kind size unit         meaning
@@ -64,11 +66,12 @@ class GaitBlock(LeafSystem):
         for (px, py, pz), (sx, sy, sz), rests, x, y, z in zip(
             *self._planned(context), feet, feet, feet, strict=True
         ):
-            pull = 0.0 if is_fed_back and rests else self._pull
+            aside = 0.0 if rests else self._pull
+            upwards = 0.0 if rests and is_fed_back else self._pull
             found += (
-                sx - (vx + wy * z - wz * y) + pull * (px - pitch * z - x),
-                sy - (vy + wz * x - wx * z) + pull * (py + roll * z - y),
-                sz - (vz + wx * y - wy * x) + pull * (pz - up - roll * y + pitch * x - z),
+                sx - (vx + wy * z - wz * y) + aside * (px - pitch * z - x),
+                sy - (vy + wz * x - wx * z) + aside * (py + roll * z - y),
+                sz - (vz + wx * y - wy * x) + upwards * (pz - up - roll * y + pitch * x - z),
             )
         v.SetFromVector(found)
 

@@ -33,7 +33,8 @@ def test_the_robot_walks_as_planned(three_seconds):
     config, run = three_seconds
     place = run.scopes["body pose"][:, 4:]
     planned = config.walk.body(run.time).value[:, :3, 3]
-    np.testing.assert_allclose(place, planned, atol=1e-3)
+    np.testing.assert_allclose(place, planned, atol=2e-4)
+    np.testing.assert_allclose(place[:, :2], planned[:, :2], atol=1e-4)
     assert place[-1, 0] > 0.17
 
 
@@ -44,10 +45,13 @@ def test_every_row_is_a_time_step(three_seconds):
 
 def test_the_integrators_of_inverse_jacobians_follow_the_closed_form(three_seconds):
     config, run = three_seconds
-    planned = config.legs.joints(config.walk.feet(run.time + config.time_step).value)
-    np.testing.assert_allclose(
-        run.scopes["desired state"][:, :18], planned.reshape(-1, 18), atol=5e-4
-    )
+    times = run.time + config.time_step
+    angles = run.scopes["desired state"][:, :18].reshape(-1, 6, 3)
+    off = np.abs(config.legs.feet(angles) - config.walk.feet(times).value)
+    down = config.walk.down(times)
+    assert off[down][:, 2].max() < 3e-6
+    assert off[..., 2].max() < 3e-5
+    assert off.max() < 1.2e-4  # the drift of a stance along the ground
 
 
 def test_the_ground_carries_the_weight(three_seconds):

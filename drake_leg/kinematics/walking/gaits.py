@@ -29,6 +29,10 @@ from drake_leg.units import (
 )
 
 ON_TIME = 1e-9  # of a period: a foot that is to stand is this early or late by rounding
+# Of a swing, after which a foot is over its place: it comes down from above. A body that sinks into
+# its contacts, or ground that is higher than planned, would else let it touch while it moves on,
+# and push the body back.
+OVER_PLACE = 0.93
 
 
 class Motion(NamedTuple):
@@ -233,7 +237,7 @@ class Walk:
         here, u, _ = self._swing(time)
         there = self._foothold(self._cycle(time)[0] + 1.0)
         way = there - here
-        part, rate, bend = smoothstep(u)
+        part, rate, bend = advance(u)
         moves = (way != 0.0).any(axis=-1)
         rise, climb, arch = (self.lift * moves * one for one in bump(u))
         per = 1.0 / (self.period * (1.0 - self.gait.duty))
@@ -313,6 +317,12 @@ def smoothstep(u: Array) -> Motion:
         inside * 30.0 * x**2 * (1.0 - x) ** 2,
         inside * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x),
     )
+
+
+def advance(u: Array) -> Motion:
+    """How far a foot is on its way when u of its swing is done, and the derivatives by u."""
+    part, rate, bend = smoothstep(u / OVER_PLACE)
+    return Motion(part, rate / OVER_PLACE, bend / OVER_PLACE**2)
 
 
 def risen(x: Array) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.khalil import Array, finite_vectors
 from drake_leg.kinematics.walking.gait import Gait
-from drake_leg.kinematics.walking.gaits import smoothstep
+from drake_leg.kinematics.walking.gaits import advance, bump, smoothstep
 from drake_leg.kinematics.walking.plan import PlanRow
 from drake_leg.units import require_non_negative, require_positive
 
@@ -247,9 +247,8 @@ class LiveWalk:
         aims = np.where(now.down[:, np.newaxis], ahead, now.aims + weight * (ahead - before))
         places = np.where(lands[:, np.newaxis], now.aims, now.places)
         u = np.where(swings, u, 0.0)
-        part, rate, _ = (one[:, np.newaxis] for one in smoothstep(u))
-        rise = 64.0 * (u * (1.0 - u)) ** 3
-        climb = 192.0 * (u * (1.0 - u)) ** 2 * (1.0 - 2.0 * u)
+        part, rate, _ = (one[:, np.newaxis] for one in advance(u))
+        rise, climb, _ = bump(u)
         feet = places + part * (aims - places)
         feet[:, 2] += self.lift * rise
         aim_rates = np.where(now.down[:, np.newaxis], 0.0, (aims - now.aims) / self.step)

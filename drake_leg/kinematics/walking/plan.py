@@ -87,8 +87,9 @@ class PlanRow(NamedTuple):
     """The plan for one time step; G is the frame of the ground, B that of the body.
 
     Velocities are means of those at the beginning and at the end of the step, so that blocks that
-    hold them for the step integrate them to second order. Torques are those of its end, at which
-    the plant's servos act. All else is at the beginning.
+    hold them for the step integrate them to second order; that of the body's place is its way in
+    the step. All else is at the beginning, the torques, too: a discrete plant has its masses,
+    weights and contacts there, and the difference of two mean velocities is the acceleration there.
     """
 
     X_GB: Array  # (4, 4) [-, m]
@@ -151,7 +152,8 @@ class WalkPlan:
         R, p = X[:, :3, :3], X[:, :3, 3]
         turning = np.einsum("tji,tjk->tik", R, dX[:, :3, :3])  # skew of the angular velocity
         w = np.stack([turning[:, 2, 1], turning[:, 0, 2], turning[:, 1, 0]], axis=-1)
-        v = np.einsum("tji,tj->ti", R, dX[:, :3, 3])
+        way = np.diff(p, axis=0) / np.diff(times)[:, np.newaxis]
+        v = np.einsum("tji,tj->ti", R[:-1], way)
         in_ground, velocity, _ = self.walk.feet_in_world(times)
         feet = np.einsum("tji,tnj->tni", R, in_ground - p[:, np.newaxis])
         swing = np.einsum("tji,tnj->tni", R, velocity)
@@ -162,11 +164,11 @@ class WalkPlan:
         down = self.walk.down(times)
         parts = (
             X,
-            _means(np.hstack([w, v])),
+            np.hstack([_means(w), v]),
             feet,
             _means(swing),
             down,
-            torques[1:],
+            torques[:-1],
             self._swung(times, down),
         )
         return [PlanRow(*row) for row in zip(*parts, strict=False)]

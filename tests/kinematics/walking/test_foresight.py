@@ -59,7 +59,7 @@ def test_a_walk_that_works_is_described_by_its_margins(forward):
     assert found.demand("dynamic margin").value == pytest.approx(0.078, abs=5e-4)
     assert found.demand("gap between legs").value == pytest.approx(0.0634, abs=1e-3)
     assert found.demand("sigma_min").where in Legs.of(HEXABOT).names
-    assert found.demand("joint speed").value == pytest.approx(3.25, abs=0.02)
+    assert found.demand("joint speed").value == pytest.approx(3.58, abs=0.02)
     assert found.demand("torture") is None
     assert any(line.startswith("static margin: 0.07") for line in found.lines())
 
@@ -83,7 +83,7 @@ def test_the_greatest_speed_works_and_a_little_more_does_not(forward):
     assert turning.greatest_speed == 0.0
     assert turning.greatest_turning > 0.2
     standing = foresee_walk(HEXABOT, walk_of(), IDEAL)
-    assert standing.greatest_speed == pytest.approx(found.greatest_speed)
+    assert standing.greatest_speed == pytest.approx(found.greatest_speed, abs=0.0015)  # rounded
 
 
 @pytest.mark.slow
@@ -138,7 +138,7 @@ def test_the_speed_limit_of_a_joint_itself_counts():
     slow = hexapod(mechanics=JointMechanics(velocity=3.0))
     (speed,) = says(
         foresee_walk(slow, walk_of(FORWARD, robot=slow)),
-        r"the joint \w+ would turn at 3\.2\d+ rad/s at .*, and its limit is 3 rad/s: a speed of "
+        r"the joint \w+ would turn at 3\.5\d+ rad/s at .*, and its limit is 3 rad/s: a speed of "
         r"([\d.]+) m/s .* works",
     )
     slower = walk_of(replace(FORWARD, forward=speed), robot=slow)
@@ -165,7 +165,7 @@ def test_swings_that_servos_cannot_follow_are_refused_with_the_greatest_lift():
     part, torque, stall, lift = says(
         foresee_walk(HEXABOT, walk, IDEAL),
         r"feet would come late to their places, and stand out of them for (\d+) % of a period, "
-        r"worst of all left_rear at .*, because in its swing the joint left_rear_\w+ is to give "
+        r"worst of all right_rear at .*, because in its swing the joint right_rear_\w+ is to give "
         r"([\d.]+) N\*m, and the servo 'ideal' gives at most ([\d.]+) N\*m: a lift of ([\d.]+) m "
         r"is the greatest that works",
     )

@@ -8,7 +8,7 @@ import pytest
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.walking.gait import GAITS, Gait
-from drake_leg.kinematics.walking.gaits import Attitude, Command, Walk, smoothstep
+from drake_leg.kinematics.walking.gaits import OVER_PLACE, Attitude, Command, Walk, smoothstep
 
 NEUTRAL = [
     (0.19, 0.15, -0.085), (0.0, 0.21, -0.085), (-0.19, 0.15, -0.085),
@@ -116,6 +116,18 @@ def test_a_swing_rises_as_high_as_asked():
     height = walk.feet_in_world(time).value[..., 2] + 0.085
     assert height.max() == pytest.approx(0.04, rel=1e-4)
     assert height.min() > -1e-15
+
+
+@each_walk
+def test_a_foot_comes_down_on_its_place_from_above(walk):
+    time = np.linspace(2.0, 6.0, 2001)
+    feet, speeds, _ = walk.feet_in_world(time)
+    lands = walk.swung(time) > OVER_PLACE
+    swings = lands & ~walk.down(time)
+    assert swings.any()
+    assert np.abs(speeds[swings][:, :2]).max() == 0.0
+    assert (feet[swings][:, 2] > -0.085).all()
+    assert (speeds[swings][:, 2] < 0.0).all()
 
 
 def test_smoothstep_is_flat_at_both_ends():

@@ -285,7 +285,7 @@ def test_torques_and_forces_of_a_walk_are_those_of_its_plan():
 
 def test_what_makes_no_sense_is_refused_and_what_is_out_of_reach_is_not_a_number():
     walk = walking(HEXABOT, Command(forward=1.0, start=1.0))
-    with pytest.raises(InvalidValueError, match=r"at 8\.2 s the foot left_middle is out of reach"):
+    with pytest.raises(InvalidValueError, match=r"at 8\.2 s the foot right_rear is out of reach"):
         planned_torques(HEXABOT, walk, [0.0, 8.2], IDEAL)
     with pytest.raises(InvalidValueError, match="out of reach; plan a walk with shorter steps"):
         planned_forces(HEXABOT, walk, [0.0, 8.2])
