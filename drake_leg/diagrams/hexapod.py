@@ -205,11 +205,7 @@ class HexapodConfig:
         return Search(threshold=TOUCHES * weight, depth=self.search_depth)
 
     def _torques(self, times: Array) -> Array:
-        """Torques (rows, 3 n) [N*m] of the planned load; none while a foot is out of reach.
-
-        The plant's equations of motion at the beginning of a step have its mean speeds, which are
-        those of its middle.
-        """
+        """Torques (rows, 3 n) [N*m] of the planned load; none while a foot is out of reach."""
         x, y, z = (-self.gravity * self.X_WG[2, :3]).tolist()
         plan = PlannedWalk(
             robot=self.robot,
@@ -219,8 +215,7 @@ class HexapodConfig:
             gravity=(x, y, z),
             outwards=outwards_on(self.ground),
         )
-        inertia, lead = self.feed_forward == FULL, self.time_step / 2.0
-        loads = planned_loads(plan, self.servo, inertia=inertia, lead=lead)
+        loads = planned_loads(plan, self.servo, inertia=self.feed_forward == FULL)
         return np.nan_to_num(loads.torques)
 
 

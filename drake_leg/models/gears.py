@@ -38,7 +38,7 @@ def add_gear_friction(plant: MultibodyPlant, servo: Servo) -> None:
         name = f"{actuator.name()}_gear"
         gear = plant.AddJointActuator(name, actuator.joint(), servo.friction)
         gear.set_controller_gains(PdControllerGains(p=0.0, d=CREEP_DAMPING))
-        gear.set_default_rotor_inertia(servo.rotor_inertia)
+        gear.set_default_rotor_inertia(actuator.default_rotor_inertia())
         gear.set_default_gear_ratio(1.0)
 
 

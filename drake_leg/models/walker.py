@@ -146,13 +146,19 @@ def _touch(plant: MultibodyPlant, robot: Robot, ground: Ground, contact: Contact
 
 
 def _drive(plant: MultibodyPlant, servo: Servo) -> None:
-    """Give every joint its servo."""
+    """Give every joint its servo.
+
+    A discrete plant damps a joint by its speed at the end of a step. That is the mean speed, and
+    an inertia of half the damping times the step, by which the rotor's is less here.
+    """
     gains = PdControllerGains(p=servo.stiffness, d=servo.damping)
     for index in plant.GetJointActuatorIndices():
         actuator = plant.get_mutable_joint_actuator(index)
         actuator.set_effort_limit(servo.stall_torque)
-        actuator.set_default_rotor_inertia(servo.rotor_inertia)
         actuator.set_default_gear_ratio(1.0)
         actuator.set_controller_gains(gains)
         joint = actuator.joint()
-        joint.set_default_damping(joint.default_damping() + servo.back_emf_damping)
+        damping = joint.default_damping() + servo.back_emf_damping
+        joint.set_default_damping(damping)
+        excess = damping * plant.time_step() / 2.0
+        actuator.set_default_rotor_inertia(max(0.0, servo.rotor_inertia - excess))

@@ -96,6 +96,10 @@ def from_file(name):
     friction = CoulombFriction(FLAT.friction, FLAT.friction)
     AddContactMaterial(None, 1e6 * POINT_FEET.stiffness, friction, rigid)
     add_ground(plant, FLAT, rigid)
+    for index in plant.GetJointActuatorIndices():  # as the other is made for its time step
+        actuator = plant.get_mutable_joint_actuator(index)
+        excess = actuator.joint().default_damping() * STEP / 2.0
+        actuator.set_default_rotor_inertia(actuator.default_rotor_inertia() - excess)
     plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -STANDARD_GRAVITY])
     plant.Finalize()
     robot = WALKERS[name]

@@ -107,13 +107,10 @@ def planned_forces(
     return forces
 
 
-def planned_loads(
-    plan: PlannedWalk, servo: Servo, *, inertia: bool = True, lead: float = 0.0
-) -> Loads:
+def planned_loads(plan: PlannedWalk, servo: Servo, *, inertia: bool = True) -> Loads:
     """Loads of feet and servos; NaN where a foot is out of reach.
 
     The torques overcome the friction of gears that turn; at rest it may hold a joint either way.
-    Friction, damping and back-EMF are those of the speeds a ``lead`` [s] later.
     """
     require_kind("the servo", servo, Servo)
     forces, moment, force = _loads_of_links(plan, inertia=inertia)
@@ -128,9 +125,8 @@ def planned_loads(
     damping, stiffness, rest = np.array(
         [(one.damping, one.spring_stiffness, one.equilibrium_position) for one in mechanics]
     ).T
-    later = qdot + lead * qddot
-    torques += (damping + servo.back_emf_damping) * later + stiffness * (q - rest)
-    torques -= gear_friction(servo, later)
+    torques += (damping + servo.back_emf_damping) * qdot + stiffness * (q - rest)
+    torques -= gear_friction(servo, qdot)
     if inertia:
         torques += servo.rotor_inertia * qddot
     return Loads(forces, torques)

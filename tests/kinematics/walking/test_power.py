@@ -8,7 +8,7 @@ import pytest
 from drake_leg.errors import InvalidValueError
 from drake_leg.kinematics.walking.gaits import Command
 from drake_leg.kinematics.walking.legs import Legs
-from drake_leg.kinematics.walking.loads import planned_loads
+from drake_leg.kinematics.walking.loads import outwards_on, planned_loads
 from drake_leg.kinematics.walking.plan import walk_of
 from drake_leg.kinematics.walking.planned import PlannedWalk
 from drake_leg.kinematics.walking.power import (
@@ -21,6 +21,7 @@ from drake_leg.kinematics.walking.power import (
     work,
 )
 from drake_leg.kinematics.walking.weights import total_mass
+from drake_leg.robot.ground import FLAT
 from drake_leg.robot.hexapods import HEXABOT, PHANTOMX
 from drake_leg.robot.servos import IDEAL, XL430
 from drake_leg.units import STANDARD_GRAVITY
@@ -88,16 +89,17 @@ def test_what_is_not_known_or_makes_no_sense_is_refused(call, words):
 @pytest.mark.parametrize(
     ("robot", "servo", "peaks", "watts", "mechanical", "electrical"),
     [  # the table in docs/walking.md
-        (HEXABOT, IDEAL, (0.66, 0.98, 0.94), 13.3, 0.62, 6.3),
-        (HEXABOT, XL430, (0.70, 1.02, 0.98), 14.1, 0.77, 6.7),
-        (PHANTOMX, IDEAL, (0.54, 1.47, 1.21), 43.9, 0.95, 13.9),
-        (PHANTOMX, XL430, (0.58, 1.51, 1.25), 44.8, 1.07, 14.2),
+        (HEXABOT, IDEAL, (0.74, 1.01, 1.04), 13.0, 0.66, 6.2),
+        (HEXABOT, XL430, (0.78, 1.05, 1.08), 13.8, 0.82, 6.5),
+        (PHANTOMX, IDEAL, (0.61, 1.57, 1.34), 37.9, 0.94, 12.0),
+        (PHANTOMX, XL430, (0.65, 1.61, 1.38), 38.8, 1.06, 12.3),
     ],
 )
 def test_what_a_planned_tripod_takes(robot, servo, peaks, watts, mechanical, electrical):
     times = np.linspace(3.0, 4.0, 401)
     walk = walk_of(robot, commands=[Command(forward=0.1, start=1.0)])
-    plan = PlannedWalk(robot=robot, legs=Legs.of(robot), walk=walk, times=times)
+    legs, outwards = Legs.of(robot), outwards_on(FLAT)
+    plan = PlannedWalk(robot=robot, legs=legs, walk=walk, times=times, outwards=outwards)
     rates = plan.joints.rate
     torques = planned_loads(plan, servo).torques.reshape(rates.shape)
     assert np.abs(torques).max(axis=(0, 1)) == pytest.approx(peaks, abs=0.006)
