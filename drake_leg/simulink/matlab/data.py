@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +75,12 @@ class Function:
     body: syntax.Expression | None = None
     seen: Mapping[str, Any] = field(default_factory=dict)
     home: Any = None  # the functions of the file in which it was written
+
+
+class LinearSystem:
+    """A model of the Control System Toolbox."""
+
+    KIND: ClassVar[str]  # MATLAB's name of its class
 
 
 class Object:
@@ -181,6 +187,8 @@ def kind_of(value: Any) -> str:  # noqa: ANN401
         return "string"
     if isinstance(value, Object):
         return value.kind
+    if isinstance(value, LinearSystem):
+        return value.KIND
     kinds = {
         bool: "logical",
         str: "char",
@@ -189,7 +197,7 @@ def kind_of(value: Any) -> str:  # noqa: ANN401
         Structs: "struct",
         Function: "function_handle",
     }
-    return kinds.get(type(value), str(getattr(value, "KIND", "double")))
+    return kinds.get(type(value), "double")
 
 
 def extent(value: Any) -> tuple[int, ...]:  # noqa: ANN401

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
 from drake_leg.simulink.matlab import numeric
-from drake_leg.simulink.matlab.data import Allowance, Known, LackError, Struct, settled
+from drake_leg.simulink.matlab.data import (
+    Allowance,
+    Known,
+    LackError,
+    LinearSystem,
+    Struct,
+    settled,
+)
 from drake_leg.simulink.matlab.inputs import matrix, scalar
 from drake_leg.simulink.matlab.numeric import MatlabError
 from drake_leg.simulink.matlab.transfers import TransferFunction
@@ -18,10 +25,10 @@ from drake_leg.simulink.matlab.transfers import TransferFunction
 Array = NDArray[np.float64]
 
 
-class StateSpace(Struct):
+class StateSpace(LinearSystem, Struct):
     """A linear system: its fields A, B, C, D, also as small letters, and Ts, 0 if continuous."""
 
-    KIND: ClassVar[str] = "ss"
+    KIND = "ss"
 
     @property
     def matrices(self) -> tuple[Array, Array, Array, Array]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from drake_leg.simulink.matlab.data import (
     Cell,
     Known,
     LackError,
+    LinearSystem,
     boxed,
     numbers_of,
     of_values,
@@ -24,10 +25,10 @@ from drake_leg.simulink.matlab.numeric import MatlabError
 
 
 @dataclass(frozen=True, eq=False)
-class TransferFunction:
+class TransferFunction(LinearSystem):
     """A fraction of polynomials in s, the highest powers first."""
 
-    KIND: ClassVar[str] = "tf"
+    KIND = "tf"
     numerator: NDArray[np.float64]
     denominator: NDArray[np.float64]
 
