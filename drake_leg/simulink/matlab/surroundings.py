@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from drake_leg.simulink.matlab.data import Allowance, Known, Struct
+from drake_leg.simulink.matlab.numeric import MatlabError
 
 # ruff: noqa: ANN401 - any value of a script
 
@@ -28,7 +29,23 @@ def _project(budget: Allowance, wanted: int, *about: Any) -> Any:
     return Struct(Name="", RootFolder=".")
 
 
+_SIZES = (
+    "NumContStates", "NumDiscStates", "NumOutputs", "NumInputs", "", "DirFeedthrough",
+    "NumSampleTimes",
+)  # fmt: skip
+
+
+def _simsizes(budget: Allowance, wanted: int, sizes: Any = None) -> Any:
+    """``simsizes``: the sizes of an S-function by name, all 0, or those given as a row."""
+    if sizes is None:
+        return Struct({name: 0.0 for name in _SIZES if name})
+    if not isinstance(sizes, Struct):
+        raise MatlabError("'simsizes' takes a structure that it has made")
+    return np.array([[float(sizes.get(name, 0.0)) for name in _SIZES]])
+
+
 SURROUNDINGS: dict[str, Known] = {
+    "simsizes": _simsizes,
     "ver": _nothing,
     "getCurrentTask": _nothing,
     "license": _no,

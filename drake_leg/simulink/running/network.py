@@ -8,12 +8,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.logged import with_logged
 from drake_leg.simulink.matlab.folders import Folders
 from drake_leg.simulink.mechanism import TO_PHYSICAL, TO_SIGNAL, network_of
 from drake_leg.simulink.model import Block, Function, Model, Parameters, split_port
 from drake_leg.simulink.networks.reading import Part, networks_of
 from drake_leg.simulink.networks.reflection import Reflected, without_accelerations
+from drake_leg.simulink.running.s_functions import Routine, routine_of
 from drake_leg.simulink.wiring import flatten
 
 GATES = ("EnablePort", "TriggerPort", "ActionPort")
@@ -38,6 +40,7 @@ class Node:
     feeds_motion: bool = False  # whether the derivatives of what it puts out are asked for
     part: Part | None = None  # of a network of one dimension
     poles: tuple[complex, ...] = ()  # of the network whose first part it is [1/s]
+    routine: Routine | None = None  # of an S-Function; None where it has none that can be asked
 
     @property
     def sid(self) -> str:
@@ -103,6 +106,9 @@ def signal_network(model: Model, motions: frozenset[str] = frozenset()) -> Signa
 class _Reading:
     def __init__(self, model: Model, motions: frozenset[str]) -> None:
         self._model, self._motions = model, motions
+        workspace = None if model.variables is None else model.variables.workspace
+        self._folders = None if workspace is None else workspace.folders
+        self._shared = {} if workspace is None else workspace.globals
         model = with_logged(model)
         self._flat = flatten(model, gates=True)
         self._blocks = {block.sid: block for block in self._flat.blocks}
@@ -142,7 +148,6 @@ class _Reading:
             if split_port(target)[0] not in nodes
         }
         sensed = {port for port in self._read if split_port(port)[0] not in nodes}
-        variables = self._model.variables
         loops = {block.system for block in self._model.blocks if block.type in LOOPS}
         return SignalNetwork(
             nodes=nodes,
@@ -150,8 +155,8 @@ class _Reading:
             sensed=frozenset(sensed),
             loops=tuple(self._systems[sid] for sid in loops if sid in self._systems),
             entries=self._entries,
-            folders=None if variables is None else variables.workspace.folders,
-            shared={} if variables is None else variables.workspace.globals,
+            folders=self._folders,
+            shared=self._shared,
             reflected=self._reflected,
         )
 
@@ -218,6 +223,7 @@ class _Reading:
             parameters=self._function(block.sid).parameters,
             read=frozenset(port for port in outputs if port in self._read),
             feeds_motion=self._feeds_motion(block.sid),
+            routine=self._routine(block) if block.kind == "S-Function" else None,
         )
 
     def _name_at(self, target: str, block: Block) -> str:
@@ -237,6 +243,13 @@ class _Reading:
 
     def _function(self, sid: str) -> Function:
         return self._functions.get(sid) or Function(sid=sid, name="", script="")
+
+    def _routine(self, block: Block) -> Routine | None:
+        """Ask an S-function for its sizes; what is wrong is told where the block is written."""
+        try:
+            return routine_of(block, self._folders, self._shared)
+        except InvalidValueError:
+            return None
 
     def _feeds_motion(self, sid: str) -> bool:
         """Whether a signal of a block comes to a motion, through physical signals or at once."""

@@ -81,6 +81,8 @@ class Rates:
 
     def _own(self, node: Node, kind: Kind) -> Rate | None:
         """Return the rate that a block has by itself, None where it inherits it."""
+        if node.routine is not None and node.routine.rate is not None:
+            return node.routine.rate
         settings = Settings(node.block)
         if kind.is_continuous(settings) or kind.major:
             return ALWAYS

@@ -192,6 +192,29 @@ def test_functions_in_files_come_with_the_script(tmp_path):
     assert '\n      "y = u^2; % \\"more\\""' in script.data  # a line for each of theirs
 
 
+def test_an_s_function_comes_with_the_script(tmp_path):
+    code = tmp_path / "lag.m"
+    code.write_text(
+        "function [sys, x0, str, ts] = lag(t, x, u, flag, par)\nx0 = []; str = []; ts = [];\n"
+        "switch flag\ncase 0\nsys = [1 0 1 1 0 0 1]; x0 = par.start; ts = [0 0];\n"
+        "case 1\nsys = (u - x) / par.time;\ncase 3\nsys = x;\notherwise\nsys = [];\nend\n"
+    )
+    rig = Rig()
+    step = rig.constant("1")
+    values = {"FunctionName": "lag", "Parameters": "struct('start', 3, 'time', 0.5)"}
+    rig.show(rig.block("S-Function", "Lag", step, **values), "y")
+    file = rig.write(tmp_path / "m.slx")
+    script = ported(read_model(file), runnable(read_model(file), duration=1.0), "alone")
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    (alone / "alone.py").write_text(script.text, encoding="utf-8")
+    (alone / data_name("alone")).write_text(script.data, encoding="utf-8")
+    code.unlink()
+    theirs = runpy.run_path(str(alone / "alone.py"))["run"]()
+    expected = 1.0 + 2.0 * np.exp(-2.0 * theirs.time)
+    np.testing.assert_allclose(theirs.shown[0].values[:, 0], expected, atol=1e-6)
+
+
 def test_two_functions_of_one_name_are_refused(tmp_path):
     """Each caller has one in its own private folder."""
     for folder, factor in (("a", 2), ("b", 3)):
