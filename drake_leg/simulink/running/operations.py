@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import reduce
 from itertools import pairwise
 from typing import Any
 
@@ -207,6 +208,12 @@ def between(values: Array, place: float, fraction: float) -> float:
     first = min(max(int(place), 0), len(values) - 1)
     after = min(first + 1, len(values) - 1)
     return float(values[first] + fraction * (values[after] - values[first]))
+
+
+def bits_joined(operator: str, *numbers: Signal) -> Signal:
+    """Join whole numbers of 32 bits, bit by bit, by ``AND``, ``OR`` or ``XOR``."""
+    join = {"AND": np.bitwise_and, "OR": np.bitwise_or, "XOR": np.bitwise_xor}[operator]
+    return settled(reduce(join, (np.asarray(each).astype(np.int64) for each in numbers)))
 
 
 def quotient(a: Signal, b: Signal) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -24,8 +25,12 @@ class Settings:
 
     def text(self, name: str, default: str = "") -> str:
         """Return a parameter as it stands in the file."""
-        texts = self._parameters.texts if isinstance(self._parameters, Parameters) else {}
-        return texts.get(name, default).strip()
+        return self.texts.get(name, default).strip()
+
+    @property
+    def texts(self) -> Mapping[str, str]:
+        """Return all parameters as they stand in the file."""
+        return self._parameters.texts if isinstance(self._parameters, Parameters) else {}
 
     def has(self, name: str) -> bool:
         """Tell whether the file, or Simulink's table of defaults, gives a parameter."""

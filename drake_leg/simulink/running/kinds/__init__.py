@@ -82,14 +82,17 @@ def kind(
 def kinds_of_blocks() -> dict[str, Kind]:
     """Return all kinds of blocks that run, by their names."""
     from drake_leg.simulink.running.kinds import (  # noqa: F401
+        bits,
         continuous,
         controllers,
         discontinuities,
         discrete,
         functions,
         gates,
+        lags,
         logic,
         maths,
+        matrices,
         physical,
         replacements,
         robotics,

@@ -375,6 +375,23 @@ def width(w: Writer) -> None:
     w.out(literal(float(w.input(0).size)))
 
 
+@kind("Probe", sample_time="")
+def probe(w: Writer) -> None:
+    """Tell the width, the sample time and the size of a signal, which is never complex."""
+    u = w.input(0)
+    told = {
+        "ProbeWidth": float(u.size),
+        "ProbeSampleTime": np.array([w.period or 0.0, 0.0]),
+        "ProbeComplexSignal": 0.0,
+        "ProbeSignalDimensions": as_signal(np.array([u.shape or (1,)], dtype=float)),
+    }
+    asked = [name for name in told if w.settings.text(name, "on") == "on"]
+    if "ProbeSampleTime" in asked and w.period is None:
+        raise w.fault("asks for the sample time of a signal that has none: ask for others")
+    for place, name in enumerate(asked):
+        w.out(w.constant(told[name], name), place)
+
+
 @kind("DataStoreMemory", constant=True)
 def store(w: Writer) -> None:
     """Hold a value by name."""

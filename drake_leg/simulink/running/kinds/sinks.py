@@ -53,10 +53,17 @@ def to_workspace(w: Writer) -> None:
 
 
 @kind("Terminator", "PS Terminator", "Check Static Range", "Assertion", "Simulation Pace",
-      "Real-Time Pacer", "LinearGaugeBlock", "SemiCircularGaugeBlock", "GaugeBlock", "LampBlock",
-      "Publish", sample_time="")  # fmt: skip
+      "Real-Time Pacer", "Publish", "DataTypePropagation", "DocBlock", "Model Info",
+      "Power Spectral Density", "Inspector", sample_time="")  # fmt: skip
 def ended(_: Writer) -> None:
     """Do nothing."""
+
+
+@kind("LinearGaugeBlock", "SemiCircularGaugeBlock", "GaugeBlock", "CustomGaugeBlock", "LampBlock",
+      "SliderBlock", "KnobBlock", "EditField", "PushButtonBlock", "RockerSwitchBlock",
+      "RotarySwitchBlock", "SliderSwitchBlock", "ToggleSwitchBlock", sample_time="")  # fmt: skip
+def on_a_dashboard(_: Writer) -> None:
+    """Do nothing: what it sets has the value of the file."""
 
 
 @kind("Stop", sample_time="")

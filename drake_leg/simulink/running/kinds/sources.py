@@ -424,7 +424,7 @@ def inport(w: Writer) -> None:
         w.out("0.0" if shape == (1,) else f"zeros({shape})")
 
 
-@kind("SliderBlock", "KnobBlock", "Joystick Input")
+@kind("Joystick Input")
 def by_hand(w: Writer) -> None:
     """Put out zero: nobody moves it."""
     for place in range(max(len(w.node.outputs), 1)):

@@ -126,6 +126,35 @@ def interpolation(w: Writer) -> None:
     w.out(f"between(array([between(row, {k2}, {f2}) for row in {rows}]), {k1}, {f1})")
 
 
+@kind("LookupNDDirect")
+def direct_lookup(w: Writer) -> None:
+    """Take an element, a column or a matrix out of a table, by places counted from 0."""
+    s = w.settings
+    table = s.matrix("Table", "[4 5 6;16 19 20;10 18 23]")
+    dimensions = int(s.number("NumberOfTableDimensions", "2"))
+    taken = s.text("InputsSelectThisObjectFromTable", "Element")
+    if (
+        s.text("TableIsInput", "off") == "on"
+        or dimensions > 2
+        or taken not in ("Element", "Column")
+    ):
+        raise w.fault("takes an element or a column out of a table of two dimensions alone")
+    if dimensions == 1:
+        table = table.reshape(-1, 1)
+    fails = s.text("DiagnosticForOutOfRangeInput", "Warning") == "Error"
+    places = []
+    for place in range(w.count):
+        count = table.shape[place + 1 if taken == "Column" else place]
+        i = w.number(place).code
+        kept = f"int(limited(fix({i}), 0.0, {count - 1}.0))"
+        places.append(f"selected(0, fix({i}), {count})" if fails else kept)
+    if taken == "Column":
+        places.insert(0, ":")
+    elif dimensions == 1:
+        places.append("0")
+    w.out(f"settled({w.constant(table, 'table')}[{', '.join(places)}])")
+
+
 @kind("Lookup2D")
 def lookup_2d(w: Writer) -> None:
     """Look a number up in a table of two dimensions."""
