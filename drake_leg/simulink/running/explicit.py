@@ -6,13 +6,36 @@ J. Comput. Appl. Math. 6 (1980), with SciPy's numbers.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import RK45
 
 from drake_leg.simulink.running.rosenbrock import Array, Rates
 
 STABLE = 3.3  # largest product of a step and an eigenvalue
+STABLE_SWING = 1.0  # that of one whose real part is a small share of it
+SWING = 0.01  # that share
 BOUND = 0.15  # of it, from which on a step is taken to be bounded by what is fast
+
+
+def longest_stable(poles: NDArray[np.complex128]) -> float:
+    """Return the longest step that is stable for eigenvalues [1/s], infinite where all are."""
+    sizes = np.abs(poles)
+    products = np.where(_are_swings(poles), STABLE_SWING, STABLE)
+    return float((products / np.maximum(sizes, 1e-300)).min(initial=math.inf))
+
+
+def swings(poles: NDArray[np.complex128]) -> bool:
+    """Tell whether the largest of some eigenvalues is one of a swing that hardly decays."""
+    sizes = np.abs(poles)
+    return bool((_are_swings(poles) & (sizes == sizes.max(initial=0.0))).any())
+
+
+def _are_swings(poles: NDArray[np.complex128]) -> NDArray[np.bool_]:
+    found: NDArray[np.bool_] = np.abs(poles.real) < SWING * np.abs(poles)
+    return found
 
 
 class DormandPrince:

@@ -84,11 +84,12 @@ class Rosenbrock:
         return STAGES + 1 + len(self._groups)
 
     @property
-    def fastest(self) -> float:
-        """Return the largest eigenvalue of the last Jacobian [1/s]; infinite where it has none."""
+    def poles(self) -> NDArray[np.complex128]:
+        """Return the eigenvalues of the last Jacobian [1/s]; infinite ones where it has none."""
         if not np.isfinite(self._jacobian).all():
-            return math.inf
-        return float(np.abs(np.linalg.eigvals(self._jacobian)).max())
+            return np.array([-np.inf + 0j])
+        found: NDArray[np.complex128] = np.linalg.eigvals(self._jacobian).astype(complex)
+        return found
 
     def begin(self, rates: Rates, t: float, x: Array, end: float) -> None:
         """Find the derivatives of the rates by the states, and by time."""

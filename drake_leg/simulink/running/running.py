@@ -314,9 +314,9 @@ def run_model(
         watch=watch,
         events=diagram.signals,
     )
-    if by_error and (ready.code.has_edges or is_stiff(diagram, ready.solver, config)):
-        _take_own_steps(ready, stepper)
     coarsest = config.accuracy if accuracy else ready.solver.get("tolerance", COARSEST)
+    if by_error and (ready.code.has_edges or is_stiff(diagram, ready.solver, config)):
+        _take_own_steps(ready, stepper, coarsest)
     began = monotonic()
     stopped = ""
     try:
@@ -377,10 +377,10 @@ def _advance(
         if stepper.is_stiff or not watch.crawls:
             return is_there
         stepper.change(STIFF)
-        _take_own_steps(ready, stepper)
+        _take_own_steps(ready, stepper, coarsest)
 
 
-def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
+def _take_own_steps(ready: Runnable, stepper: Stepper, coarsest: float) -> None:
     """Go by own steps; they end at rows if something happens at major steps."""
     if not (stepper.has_states or ready.code.has_edges):
         return
@@ -393,6 +393,7 @@ def _take_own_steps(ready: Runnable, stepper: Stepper) -> None:
         sorted(ends),
         pattern_of(diagram),
         has_edges=code.has_edges,
+        coarsest=coarsest,
     )
 
 
@@ -458,6 +459,12 @@ def _said_of_errors(stepper: Stepper, ready: Runnable) -> Iterator[str]:
             f"from {stepper.relaxed + begins:.4g} s on the accuracy is that of the file, "
             f"{stepper.config.accuracy:g}: no step there is short enough for "
             f"{stepper.first_accuracy:g}"
+        )
+    if stepper.damped is not None:
+        since, coarse = stepper.damped
+        yield (
+            f"swings too fast to be shown are damped from {since + begins:.4g} s on, at an "
+            f"accuracy of {coarse:g}; `accuracy` lets them be followed"
         )
     if stepper.forced:
         times = [*dict.fromkeys(f"{time + begins:.4g} s" for time in stepper.forced)]

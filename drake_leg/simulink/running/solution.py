@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from drake_leg.simulink.running.explicit import STABLE, DormandPrince
+from drake_leg.simulink.running.explicit import DormandPrince, longest_stable, swings
 from drake_leg.simulink.running.rosenbrock import Array, Rates, Rosenbrock
 from drake_leg.simulink.running.sparsity import Pattern
 
@@ -14,8 +14,15 @@ ORDER = 5  # of both methods
 SAFETY, LEAST, MOST = 0.9, 0.2, 6.0  # of the change of a step
 FIRST = 1e-4  # of the longest step, at the start
 LOOK = 8  # implicit steps after which the method is reconsidered
+# Implicit steps that are longer than explicit ones may damp what is fast, as a light body on
+# a stiff spring, which explicit steps keep in motion: they become long when that is at rest.
+# Where it swings by more than the accuracy, the accuracy is coarser until it is.
+DAMPING = 400  # implicit steps, at most, until it is
+COARSER = 10.0  # times, after them
+AT_REST = 100.0  # times longer than explicit steps are implicit ones by then
+SHARE = 0.25  # of the evaluations by explicit steps that are given to try it again
 BETTER = 1.5  # times further an evaluation must lead by explicit steps
-PATIENCE, MOST_PATIENCE = 15, 2000  # explicit steps whose length is bounded by what is fast
+PATIENCE, MOST_PATIENCE = 15, 32_000  # explicit steps whose length is bounded by what is fast
 FREE = 6  # steps after one another that are not, and let the others be forgotten
 NO_STEP = 4.0 * np.finfo(float).eps  # of the time: an end so near is reached without a step
 ALARM = 8.0  # times a step, up to which what is fast really bounds it
@@ -45,6 +52,8 @@ class Solution:
         Largest error of a state in one step, relative to what is larger than 1.
     longest, shortest : float
         Bounds of the steps [s].
+    coarsest : float, optional
+        Accuracy up to which fast swings may be damped that need not be seen.
     pattern : (n, n), optional
         Which rates, in rows, may depend on which states: all of them, if it is not given.
     """
@@ -58,11 +67,14 @@ class Solution:
         accuracy: float,
         longest: float,
         shortest: float,
+        coarsest: float = 0.0,
         pattern: Pattern | None = None,
     ) -> None:
         self.t, self.x, self.steps = t, x.copy(), 0
         self._rates = rates
         self.accuracy, self._longest, self._shortest = accuracy, longest, shortest
+        self._asked, self._coarsest = accuracy, coarsest
+        self.damped: tuple[float, float] | None = None  # [s], since when, and the accuracy
         self._step = FIRST * longest
         self._implicit = Rosenbrock(np.ones((x.size, x.size), bool) if pattern is None else pattern)
         self._explicit = DormandPrince(x.size)
@@ -71,6 +83,7 @@ class Solution:
         self._from, self._before, self._to, self._after = t, self.x, t, self.x
         self._since, self._greatest, self._before_implicit = 0, 0.0, math.inf
         self._bounded, self._free, self._patience = 0, 0, PATIENCE
+        self._damping = DAMPING  # implicit steps that are left to damp what is fast
         self.methods = {self._method.name}
 
     def step(self, end: float) -> None:
@@ -151,6 +164,8 @@ class Solution:
             self._free = 0 if self._explicit.is_bounded else self._free + 1
             self._bounded = 0 if self._free == FREE else self._bounded + (not self._free)
             if self._bounded == self._patience:
+                spent = self._patience * self._explicit.cost
+                self._damping = min(int(SHARE * spent / self._implicit.cost), DAMPING)
                 self._choose(self._implicit, h)
             return
         self._since, self._greatest = self._since + 1, max(self._greatest, h)
@@ -158,17 +173,36 @@ class Solution:
             self._choose(self._explicit, self._step)  # a jump looked like something fast
         elif self._since == LOOK:
             stable = min(self._stable, self._greatest)
-            if stable * self._implicit.cost > BETTER * self._greatest * self._explicit.cost:
+            if stable * self._implicit.cost <= BETTER * self._greatest * self._explicit.cost:
+                self._patience, self._damping = PATIENCE, DAMPING
+                if self._greatest > AT_REST * stable:
+                    self._set_accuracy(self._asked)
+            elif stable < self._greatest and self._damping > LOOK:
+                self._damping -= LOOK
+            elif stable < self._greatest and self._may_be_coarser():
+                self._damping = DAMPING
+                self._set_accuracy(COARSER * self.accuracy)
+            else:
+                self._set_accuracy(self._asked)
                 self._patience = min(2 * self._patience, MOST_PATIENCE)
                 self._choose(self._explicit, min(stable, self._step))
-            else:
-                self._patience = PATIENCE
-                self._since, self._greatest = 0, 0.0
+                return
+            self._since, self._greatest = 0, 0.0
+
+    def _may_be_coarser(self) -> bool:
+        """Tell whether what is fast swings, and the accuracy may be coarser."""
+        return self.accuracy * COARSER <= self._coarsest and swings(self._implicit.poles)
+
+    def _set_accuracy(self, accuracy: float) -> None:
+        self.accuracy = accuracy
+        since, coarsest = self.damped or (self.t, self._asked)
+        if accuracy > coarsest:
+            self.damped = since, accuracy
 
     @property
     def _stable(self) -> float:
         """Return the longest explicit step that is stable where the last step began [s]."""
-        return min(STABLE / max(self._implicit.fastest, 1e-300), self._longest)
+        return min(longest_stable(self._implicit.poles), self._longest)
 
     def _choose(self, method: Rosenbrock | DormandPrince, step: float) -> None:
         self._method, self._step, self._before_implicit = method, step, step

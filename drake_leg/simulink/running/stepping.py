@@ -100,6 +100,7 @@ class Stepper:
         self.first_accuracy = config.accuracy
         self.relaxed: float | None = None  # [s], from where on the accuracy is coarser
         self.forced: list[float] = []  # [s], where the shortest steps were taken
+        self.damped: tuple[float, float] | None = None  # [s], since when swings are, and accuracy
         self._in_a_row = 0
         self._before = 0  # steps of what integrated before
         self._idle = 0  # steps of Drake's simulator that took no time
@@ -113,6 +114,7 @@ class Stepper:
         pattern: Pattern | None = None,
         *,
         has_edges: bool = False,
+        coarsest: float = 0.0,
     ) -> None:
         """Go by own steps from here on.
 
@@ -126,6 +128,8 @@ class Stepper:
             Which rates may depend on which states.
         has_edges : bool
             Whether something happens where signals change their sign: steps end there.
+        coarsest : float
+            Accuracy up to which fast swings may be damped.
         """
         self._corners, self._rates, self._has_edges = corners, rates, has_edges
         self._own = Solution(
@@ -135,6 +139,7 @@ class Stepper:
             accuracy=self._accuracy,
             longest=self.config.max_step_size,
             shortest=self._shortest,
+            coarsest=coarsest,
             pattern=pattern,
         )
 
@@ -278,6 +283,7 @@ class Stepper:
                 self._end_at_edge(own, signs)
             self._watch(self.context)  # which may put driven axes on their motions
             own.correct(self._states())
+            self.damped = own.damped
         self._put(own, min(time, own.t))
         if time < own.t:
             self._watch.follow(self.context)

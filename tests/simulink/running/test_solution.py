@@ -166,3 +166,30 @@ def test_states_that_are_no_numbers_are_never_asked_for():
     )
     with pytest.raises(StepError), np.errstate(all="ignore"):
         solution.step(1.0)
+
+
+@pytest.mark.parametrize(("coarsest", "most"), [(1e-3, 1000), (1e-4, 1000), (0.0, None)])
+def test_fast_swings_are_damped_if_the_accuracy_may_be_coarser(coarsest, most):
+    """Nine light bodies on stiff springs ride on a slow one; their speed is 1e-4 m/s at most.
+
+    Explicit steps would keep them swinging, some 400 000 of them.
+    """
+    speeds = 1e5 * np.linspace(1.0, 2.0, 9)
+
+    def rates(t, x):
+        fast = x[2:].reshape(2, 9)
+        return np.concatenate([(x[1], -x[0]), fast[1], -(speeds**2) * (fast[0] - 1e-9)])
+
+    solution = Solution(
+        rates, 0.0, np.array([1.0, *[0.0] * 19]), accuracy=1e-6, longest=0.04, shortest=1e-10,
+        coarsest=coarsest,
+    )  # fmt: skip
+    while solution.t < 2.0 and solution.steps < 1000:
+        solution.step(2.0)
+    if most is None:
+        assert solution.t < 0.1
+        assert solution.damped is None
+    else:
+        assert solution.x[0] == pytest.approx(np.cos(2.0), abs=1e-6)
+        assert solution.damped == (pytest.approx(0.0034, abs=1e-3), pytest.approx(1e-5))
+        assert solution.accuracy == 1e-6  # again
