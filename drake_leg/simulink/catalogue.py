@@ -556,7 +556,8 @@ Hermitian Transpose, Identity Matrix, IsSymmetric, Submatrix, Permute Matrix, We
 Time Math, Unit Conversion, Environment Controller, Manual Variant Source, Manual Variant Sink,
 DocBlock, Model Info, Enumerated Constant, Sine, Cosine, Lookup Table Dynamic, Degrees to
 Radians, Radians to Degrees, Cartesian to Polar, Polar to Cartesian, Cartesian to Spherical,
-Spherical to Cartesian, Bitwise Operator, Real-Time Pacer, Simulation Pace, Power Spectral Density
+Spherical to Cartesian, Bitwise Operator, Function-Call
+Generator, Function-Call Split, Real-Time Pacer, Simulation Pace, Power Spectral Density
 """
 
 _FOUNDATION_WITHOUT_TABLE = """

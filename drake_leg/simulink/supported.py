@@ -57,7 +57,7 @@ _OF_SIGNALS = ("block", "values", "in a run")
 _AROUND = {
     **dict.fromkeys(("From", "Goto", "GotoTagVisibility", "ConnectionLabel"), "a wire"),
     **dict.fromkeys(("Connection Label", "Connection Port", "PMIOPort", "SimscapeBus"), "a wire"),
-    "SubSystem": "its blocks run; one that is enabled, triggered or chosen runs at its times",
+    "SubSystem": "its blocks run; one that is enabled, triggered, called, chosen runs at its times",
     "Signal Builder": "its subsystem runs: its signals are read from the file",
     "Solver Configuration": "nothing: Drake integrates",
 }

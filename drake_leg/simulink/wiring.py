@@ -9,7 +9,12 @@ from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.diagram import Diagram, DrawnBlock, DrawnLine
 from drake_leg.simulink.model import Block, Model, SignalWire, split_port
 
-_GATES = {"enable": "EnablePort", "trigger": "TriggerPort", "ifaction": "ActionPort"}
+_GATES = {
+    "enable": "EnablePort",
+    "trigger": "TriggerPort",
+    "ifaction": "ActionPort",
+    "reset": "ResetPort",
+}
 _ROUTING = ("Goto", "From", "GotoTagVisibility")
 _LABELS = ("Connection Label", "ConnectionLabel")
 _CONNECTION_PORTS = ("PMIOPort", "Connection Port")
@@ -23,9 +28,9 @@ def flatten(model: Model, *, gates: bool = False, strict: bool = True) -> Model:
     do Goto, From, Connection Labels and Simscape Buses. Inport and Outport blocks of the top stay.
     Wires have the name that is nearest to their target. `Block.system` still tells where a block
     was. Ports of one element of a bus stay: an Inport takes it out, and the first Outport of a port
-    joins all. With ``gates``, the Outports of subsystems that are enabled, triggered or chosen
-    stay, too: they hold what they put out last. Unless it is ``strict``, nothing comes from a From
-    that has no Goto or several.
+    joins all. With ``gates``, the Outports of subsystems that are enabled, triggered, chosen or
+    reset stay, too: they hold what they put out last. Unless it is ``strict``, nothing comes from a
+    From that has no Goto or several.
 
     Raises
     ------
@@ -44,7 +49,7 @@ def flatten(model: Model, *, gates: bool = False, strict: bool = True) -> Model:
 
 
 def gated_systems(model: Model) -> frozenset[str]:
-    """SIDs of the subsystems that are enabled, triggered or chosen by an If or a Switch Case."""
+    """SIDs of the subsystems that are enabled, triggered, reset, or chosen by an If."""
     return frozenset(block.system for block in model.blocks if block.type in _GATES.values())
 
 
@@ -117,8 +122,8 @@ class _Signals:
             sid, kind, _ = split_port(wire.target)
             block = self._blocks[sid]
             target = wire.target
-            if is_open(block) and kind in _GATES:
-                target = self._gate(block, kind)
+            if is_open(block) and kind.lower() in _GATES:
+                target = self._gate(block, kind.lower())
             elif block.type == "Outport" and block.system and is_of_bus(block):
                 first = self._ports[block.system, "Outport", block.parameters.get("Port")]
                 target = f"{first.sid}#in:{_place_in_bus(block)}"

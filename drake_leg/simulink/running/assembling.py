@@ -27,9 +27,15 @@ def of_present(
 
 
 def of_events(
-    outputs: Sequence[Section], afters: Sequence[Section], held: Mapping[str, int]
+    outputs: Sequence[Section],
+    afters: Sequence[Section],
+    held: Mapping[str, int],
+    happening: int = -1,
 ) -> str:
-    """Write what happens at sample times and major steps: it changes the memory."""
+    """Write what happens at sample times and major steps: it changes the memory.
+
+    Meanwhile a slot of it, ``happening``, is true, where it is not -1.
+    """
     goals = {name for section in outputs if section.lasts for name in section.makes}
     goals |= {name for section in afters for name in (*section.reads, *section.gates)}
     body: list[str] = []
@@ -39,6 +45,8 @@ def of_events(
         condition = " and ".join((*_when(section), *section.gates))
         body += _comment(section)
         body += _under(condition, section.lines)
+    if happening >= 0:
+        body = [f"m[{happening}] = True", *body, f"m[{happening}] = False"]
     return _definition("def major(t, x, m, y, e, hits, step, after):", body or ["pass"])
 
 

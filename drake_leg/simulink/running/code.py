@@ -160,6 +160,8 @@ class Pen:
         self.resets = False
         self.open: set[str] = set()  # the model's own ports, where nothing is given
         self.gates_of: dict[str, tuple[str, ...]] = {}  # port -> what lets it run
+        self.calls: set[str] = set()  # ports at which blocks call subsystems
+        self.happening = -1  # slot that tells whether an event happens; -1 where nobody asks
         self.stores: dict[str, int] = {}  # data stores by name -> slot
         self.initial: dict[str, Signal] = {}  # of outputs that are held, where they are given
         self.written: dict[str, Call] = {}  # constants that are no numbers, and what makes them
@@ -435,6 +437,17 @@ class Writer:
             self.pen.wanted[f"{self.node.sid}.m{number}"] = shape_of(value)
         lines = self._memories_of_inputs if of_inputs else self._memories
         lines.append(f"m[{slot}] = {code}")
+
+    def remember_at_once(self, code: str, number: int = 0) -> None:
+        """Write what is remembered at any event."""
+        self._restarts.append(f"m[{self.kept[f'slot {number}']}] = {code}")
+
+    @property
+    def happens(self) -> str:
+        """Return the code that tells whether an event happens: it is false in between."""
+        if self.pen.happening < 0:
+            self.pen.happening = self.pen.slot(False)
+        return f"m[{self.pen.happening}]"
 
     def set_state(self, condition: str, code: str, number: int = 0) -> None:
         """Set a state at major steps where a condition holds."""

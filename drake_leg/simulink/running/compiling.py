@@ -423,7 +423,7 @@ class _Pass:
         derivatives = of_present("derivatives", outputs, dx, held)
         r = [each.code for each in pen.recorded] + [name for name, _ in pen.stops]
         record = of_present("record", outputs, [f"r = [{', '.join(r)}]"], held, "r")
-        major = of_events(outputs, afters, held)
+        major = of_events(outputs, afters, held, pen.happening)
         edges = of_present("edges", outputs, [f"r = joined({', '.join(pen.edges)})"], held)
         lasting = names_read(outputs, [], [each for each in outputs if each.lasts])
         u_reads = names_read(outputs, u)
@@ -441,7 +441,7 @@ class _Pass:
             memory=tuple(pen.slots),
             rates=self._rates.periods,
             has_major=any(part.rate == MAJOR for part in pen.parts)
-            or bool(self._gate_of or self.loops),
+            or bool(self._gate_of or self._restarts or self.loops),
             resets=pen.resets,
             has_edges=bool(pen.edges),
             recorded=tuple(pen.recorded),

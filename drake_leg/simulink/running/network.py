@@ -18,7 +18,8 @@ from drake_leg.simulink.networks.reflection import Reflected, without_accelerati
 from drake_leg.simulink.running.s_functions import Routine, routine_of
 from drake_leg.simulink.wiring import flatten
 
-GATES = ("EnablePort", "TriggerPort", "ActionPort")
+GATES = ("EnablePort", "TriggerPort", "ActionPort", "ResetPort")
+FUNCTION_CALL = "function-call"  # type of a trigger that a block calls
 OF_SYSTEM = "SystemSampleTime"  # of a subsystem, or of a MATLAB Function, which is one
 LOOPS = ("ForEach", "ForIterator", "WhileIterator")
 
@@ -46,6 +47,13 @@ class Node:
     def sid(self) -> str:
         """Return the SID of its block."""
         return self.block.sid
+
+    @property
+    def is_call(self) -> bool:
+        """Whether it is the trigger of a subsystem that another block calls."""
+        block = self.block
+        texts = block.parameters.texts if isinstance(block.parameters, Parameters) else {}
+        return block.type == "TriggerPort" and texts.get("TriggerType") == FUNCTION_CALL
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -40,9 +40,10 @@ class Rates:
 
     def of(self, sid: str) -> int:
         """Return the index of a block's rate, or CONTINUOUS, or MAJOR."""
-        _node, kind = self._nodes[sid]
+        node, kind = self._nodes[sid]
         rate = self._found[sid] or ALWAYS
-        if kind.major or ((kind.sampled or kind.stepwise) and rate[0] in (0.0, NEVER)):
+        is_major = kind.major and not self._caller(node)
+        if is_major or ((kind.sampled or kind.stepwise) and rate[0] in (0.0, NEVER)):
             return MAJOR
         return self.periods.index(rate) if 0.0 < rate[0] < NEVER else CONTINUOUS
 
@@ -84,7 +85,8 @@ class Rates:
         if node.routine is not None and node.routine.rate is not None:
             return node.routine.rate
         settings = Settings(node.block)
-        if kind.is_continuous(settings) or kind.major:
+        called = bool(self._caller(node))
+        if kind.is_continuous(settings) or (kind.major and not called):
             return ALWAYS
         given = _given(settings, kind.sample_time) if kind.sample_time else None
         if given is not None:
@@ -95,10 +97,25 @@ class Rates:
             given = _given(Settings(system), OF_SYSTEM)
             if given is not None:
                 return given
-        return None if any(node.inputs) else ALWAYS
+        if called or any(node.inputs):
+            return None
+        return (self._fixed_step, 0.0) if kind.sampled and self._fixed_step else ALWAYS
+
+    def _caller(self, node: Node) -> str:
+        """Return the innermost trigger around a block by which it is called, or is itself.
+
+        What is called has the rate of the call.
+        """
+        for sid in (*node.gates, node.sid)[::-1]:
+            if sid in self._nodes and self._nodes[sid][0].is_call:
+                return sid
+        return ""
 
     def _inherited(self, node: Node) -> Rate | None:
         """Return the rate that a block takes over from its inputs, None where that is not known."""
+        caller = self._caller(node)
+        if caller not in ("", node.sid):
+            return self._found[caller]
         rates: set[Rate] = set()
         for port in node.inputs:
             if port is None:

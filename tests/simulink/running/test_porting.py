@@ -279,3 +279,26 @@ def test_motions_through_way_points(tmp_path):
             rig.connect(rig.constant("[0 2; 1 0]"), f"{path}#in:2")
         rig.show(f"{path}#out:1", name)
     require_same(*both(rig, tmp_path, 3.0)[:2])
+
+
+def test_calls_and_resets(tmp_path):
+    rig = Rig()
+    called = rig.add_block("SubSystem", "called", ports={"out": 1, "trigger": 1})
+    rig.add_block("TriggerPort", "call", {"TriggerType": "function-call"}, system=called)
+    total = rig.block("DiscreteIntegrator", "total", "", gainval="1", SampleTime="-1",
+                      system=called)  # fmt: skip
+    one = rig.block("Constant", "one", Value="1", system=called)
+    rig.connect(one, f"{total}#in:1")
+    rig.connect(total, rig.add_block("Outport", "out", system=called, ports={"in": 1}))
+    rig.connect(rig.block("FunctionCallGenerator", "calls", sample_time="0.1"), f"{called}#trigger")
+    again = rig.add_block("SubSystem", "again", ports={"out": 1, "Reset": 1})
+    rig.add_block("ResetPort", "reset", {"ResetTriggerType": "rising"}, system=again)
+    time = rig.block("Integrator", "time", "", system=again)
+    rig.connect(rig.block("Constant", "one", Value="1", system=again), f"{time}#in:1")
+    rig.connect(time, rig.add_block("Outport", "out", system=again, ports={"in": 1}))
+    rig.connect(rig.block("Step", "step", Time="0.35"), f"{again}#Reset")
+    rig.show(called, "sum")
+    rig.show(again, "since")
+    ours, theirs, _ = both(rig, tmp_path, 1.0)
+    require_same(ours, theirs)
+    assert theirs.shown[1].values[-1] == pytest.approx(0.65, abs=1e-6)

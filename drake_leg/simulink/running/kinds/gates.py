@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import numpy as np
@@ -9,8 +10,13 @@ import numpy as np
 from drake_leg.simulink.matlab.data import Cell, numbers_of
 from drake_leg.simulink.running.code import CONTINUOUS, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.kinds.continuous import reset_condition
+from drake_leg.simulink.running.kinds.options import sample_time
 from drake_leg.simulink.running.kinds.routing import joined_bus, parts_of
+from drake_leg.simulink.running.network import FUNCTION_CALL
 from drake_leg.simulink.running.settings import zero_like
+
+ALWAYS_CALLED = "1.0"  # code of a call that is made at each sample time
 
 
 def _gate(w: Writer, condition: str, *, restarts: bool = False) -> None:
@@ -46,6 +52,8 @@ def action(w: Writer) -> None:
 
 
 def _trigger_after(w: Writer) -> None:
+    if "before" not in w.kept:
+        return
     u, before = w.numeric(), w.kept["before"]
     w.remember(u.code)
     sign, where = (
@@ -69,6 +77,9 @@ def trigger(w: Writer) -> None:
     or samples where it is sampled.
     """
     how = w.settings.text("TriggerType", "rising")
+    if how == FUNCTION_CALL:
+        _called(w)
+        return
     if how not in ("rising", "falling", "either"):
         raise w.fault(f"waits for a {how}, which does not run: use an edge")
     u = w.numeric()
@@ -83,6 +94,61 @@ def trigger(w: Writer) -> None:
     falling = f"({a} > 0.0) & ({b} <= 0.0) | ({a} == 0.0) & ({b} < 0.0) & ({came} >= 0.0)"
     code = {"rising": rising, "falling": falling, "either": f"{rising} | {falling}"}[how]
     _gate(w, code if u.is_scalar else f"({code}).any()")
+
+
+def _called(w: Writer) -> None:
+    """Let a subsystem run whenever it is called: at the rate of the call, if that is made."""
+    port = w.node.inputs[0] if w.count else None
+    if port not in w.pen.calls:
+        raise w.fault("is called by nothing that runs here: a Function-Call Generator does")
+    if not set(w.pen.gates_of.get(port, ())) <= set(w.gates):
+        raise w.fault("is called from another subsystem that rests at times, which does not run")
+    call = w.input(0)
+    if call.code != ALWAYS_CALLED:
+        _gate(w, f"{call.code} != 0.0")
+
+
+@kind("FunctionCallGenerator", "Function-Call Generator", sampled=True, sample_time="sample_time")
+def generator(w: Writer) -> None:
+    """Call subsystems at its sample times, while what comes in is positive if anything does."""
+    if np.any(w.settings.numbers("numberOfIterations", "1") != 1.0):
+        raise w.fault("calls several times at once, which does not run: let it call once")
+    sample_time(w)
+    made = w.let(f"float({w.number().code} > 0.0)", "call") if w.count else None
+    w.put(made or Operand(code=ALWAYS_CALLED, value=1.0))
+    w.pen.calls |= set(w.node.outputs)
+    w.pen.gates_of |= dict.fromkeys(w.node.outputs, w.gates)
+
+
+@kind("FunctionCallSplit", "Function-Call Split", sample_time="")
+def split(w: Writer) -> None:
+    """Pass a call on to several subsystems."""
+    port = w.node.inputs[0] if w.count else None
+    if port not in w.pen.calls:
+        raise w.fault("passes on what is no call: connect it to a Function-Call Generator")
+    for place, made in enumerate(w.node.outputs):
+        w.put(w.input(0), place)
+        w.pen.calls.add(made)
+        w.pen.gates_of[made] = w.pen.gates_of.get(port, ())
+
+
+def _reset_after(w: Writer) -> None:
+    w.remember_at_once(w.kept["now"])
+    w.remember_at_once(f"t if {w.kept['restarts']} else {w.kept['last']}", number=1)
+
+
+@kind("ResetPort", finish=_reset_after, major=True, sample_time="")
+def resets(w: Writer) -> None:
+    """Let the states of a subsystem start again as a signal says."""
+    u = w.number()
+    before, last = w.remembered(u.value), w.remembered(-math.inf, number=1)
+    w.kept["now"], w.kept["last"] = u.code, last.code
+    w.pen.edges.append(u.code)
+    code = reset_condition(w, w.settings.text("ResetTriggerType", "level"), before.code, u.code)
+    name = w.pen.name(f"{w.node.block.path.rpartition('/')[0].rpartition('/')[2]}_again")
+    w.write(f"{name} = bool({w.happens} and t > {last.code} and ({code}))")
+    w.kept["restarts"] = name
+    w.flush_always()
 
 
 @kind("If", sample_time="")
