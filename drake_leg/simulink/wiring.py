@@ -15,6 +15,7 @@ _GATES = {
     "ifaction": "ActionPort",
     "reset": "ResetPort",
 }
+ITERATORS = ("ForEach", "ForIterator", "WhileIterator")
 _ROUTING = ("Goto", "From", "GotoTagVisibility")
 _LABELS = ("Connection Label", "ConnectionLabel")
 _CONNECTION_PORTS = ("PMIOPort", "Connection Port")
@@ -38,7 +39,7 @@ def flatten(model: Model, *, gates: bool = False, strict: bool = True) -> Model:
         If a From has no Goto or several, or a signal runs in a circle of such blocks only.
     """
     blocks = {block.sid: block for block in model.blocks}
-    gated = gated_systems(model) if gates else frozenset()
+    gated = kept_ports(model) if gates else {}
     leaves = tuple(block for block in model.blocks if is_leaf(block, gated))
     return replace(
         model,
@@ -51,6 +52,16 @@ def flatten(model: Model, *, gates: bool = False, strict: bool = True) -> Model:
 def gated_systems(model: Model) -> frozenset[str]:
     """SIDs of the subsystems that are enabled, triggered, reset, or chosen by an If."""
     return frozenset(block.system for block in model.blocks if block.type in _GATES.values())
+
+
+def kept_ports(model: Model) -> dict[str, tuple[str, ...]]:
+    """Return the kinds of ports that stay of subsystems, by their SIDs.
+
+    They are the Outports of those that are gated, and all ports of those that iterate.
+    """
+    kept: dict[str, tuple[str, ...]] = dict.fromkeys(gated_systems(model), ("Outport",))
+    iterating = (block.system for block in model.blocks if block.type in ITERATORS and block.system)
+    return kept | dict.fromkeys(iterating, ("Inport", "Outport"))
 
 
 def physical_part(model: Model) -> Model:
@@ -81,9 +92,9 @@ def _place_in_bus(block: Block) -> int:
     return int(text) if text.isdecimal() else 1
 
 
-def is_leaf(block: Block, gated: Container[str] = ()) -> bool:
+def is_leaf(block: Block, kept: Mapping[str, tuple[str, ...]] | None = None) -> bool:
     """Tell whether a block stays where boundaries are taken away."""
-    if block.type == "Outport" and block.system in gated:
+    if kept and block.type in kept.get(block.system, ()):
         return True
     if block.system and is_of_bus(block):
         return block.type == "Inport" or _place_in_bus(block) == 1
@@ -98,7 +109,12 @@ class _Signals:
     """Follows signals backwards, from an input to the leaf block that drives it."""
 
     def __init__(
-        self, model: Model, blocks: dict[str, Block], gated: Container[str], *, strict: bool
+        self,
+        model: Model,
+        blocks: dict[str, Block],
+        gated: Mapping[str, tuple[str, ...]],
+        *,
+        strict: bool,
     ) -> None:
         self._blocks, self._gated, self._strict = blocks, gated, strict
         # In a library, what a From takes may come from the model that uses it.
@@ -134,12 +150,22 @@ class _Signals:
                 name = element_of(block)
             if source:
                 found.append(SignalWire(source=source, target=target, name=name))
-        return (*found, *self._into_elements())
+        return (*found, *self._into_elements(), *self._into_iterations())
 
     def _into_elements(self) -> Iterator[SignalWire]:
         """Yield the wires into ports of one element of a bus, from the bus."""
         for block in self._blocks.values():
             if block.type == "Inport" and block.system and is_of_bus(block):
+                source, name = self._origin(self._drivers.get(self._behind(block, 1)))
+                if source:
+                    yield SignalWire(source=source, target=f"{block.sid}#in:1", name=name)
+
+    def _into_iterations(self) -> Iterator[SignalWire]:
+        """Yield the wires into ports of subsystems that iterate."""
+        for block in self._blocks.values():
+            if block.type == "Inport" and block.system in self._gated and not is_of_bus(block):
+                if not is_leaf(block, self._gated):
+                    continue
                 source, name = self._origin(self._drivers.get(self._behind(block, 1)))
                 if source:
                     yield SignalWire(source=source, target=f"{block.sid}#in:1", name=name)

@@ -442,6 +442,11 @@ class Writer:
         """Write what is remembered at any event."""
         self._restarts.append(f"m[{self.kept[f'slot {number}']}] = {code}")
 
+    def require_no_restart(self) -> None:
+        """Refuse a state that starts again in the midst of iterations."""
+        if self._restarts:
+            raise self.fault("starts again within a subsystem that iterates, which does not run")
+
     @property
     def happens(self) -> str:
         """Return the code that tells whether an event happens: it is false in between."""

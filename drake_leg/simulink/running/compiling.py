@@ -28,14 +28,17 @@ from drake_leg.simulink.running.code import (
     Writer,
 )
 from drake_leg.simulink.running.entries import bus_at, signal_at
+from drake_leg.simulink.running.iterating import iterated
 from drake_leg.simulink.running.kinds import Kind, kind_of
+from drake_leg.simulink.running.kinds.iterators import settled_iterator
 from drake_leg.simulink.running.kinds.options import require_usual
 from drake_leg.simulink.running.loops import closed, opened, widened
 from drake_leg.simulink.running.motions import motion_entries
 from drake_leg.simulink.running.network import Node, SignalNetwork
-from drake_leg.simulink.running.ordering import AlgebraicLoop, ordered
+from drake_leg.simulink.running.ordering import AlgebraicLoop, Iteration, Step, ordered
 from drake_leg.simulink.running.rates import Rate, Rates
 from drake_leg.simulink.running.settings import Settings, Signal, shape_of, zero_like
+from drake_leg.simulink.running.unrolling import is_count, unrolled
 
 PASSES = 12
 _STATES = ("Integrator", "DiscreteIntegrator", "UnitDelay", "Memory")
@@ -174,6 +177,24 @@ def _settle(
     shapes: dict[str, tuple[int, ...]],
 ) -> tuple[_Pass, list[str]]:
     """Write all blocks until the shapes of all signals are found, and list all that fails."""
+    for _ in range(PASSES):
+        copies = {name: count for name, count in shapes.items() if is_count(name)}
+        whole = unrolled(network, copies)
+        found = _settle_unrolled(whole, ports, fixed_step, solve_loops, begins, shapes)
+        if copies == {name: count for name, count in shapes.items() if is_count(name)}:
+            break
+    return found
+
+
+def _settle_unrolled(
+    network: SignalNetwork,
+    ports: Ports,
+    fixed_step: float | None,
+    solve_loops: bool,
+    begins: float,
+    shapes: dict[str, tuple[int, ...]],
+) -> tuple[_Pass, list[str]]:
+    """Write all blocks until the shapes are found, or how many copies there are to be of some."""
     nodes = {sid: (node, kind) for sid, node in network.nodes.items() if (kind := kind_of(node))}
     rates = Rates(nodes, fixed_step)
     order = ordered(nodes)
@@ -191,10 +212,11 @@ def _settle(
         pen.scope["t"] = begins
         job = _Pass(nodes, order, rates, ports, network, pen)
         job.write(refused, widenings)
-        if not (job.pen.wanted or job.pen.better):
-            break
-        shapes |= job.pen.wanted
+        copies = {name: count for name, count in job.pen.wanted.items() if is_count(name)}
+        shapes |= copies or job.pen.wanted
         guesses |= job.pen.better
+        if copies or not (job.pen.wanted or job.pen.better):
+            break
     loops = [loop.refusal for loop in refused]
     return job, [*_without_kind(network), *loops, *job.problems]
 
@@ -238,9 +260,12 @@ def _said(inputs: Sequence[Operand]) -> str:
 def _without_kind(network: SignalNetwork) -> list[str]:
     """List the blocks that do not run."""
     problems: dict[str, None] = {}
-    for block in network.loops:
-        problems[f"block {block.name!r} (SID {block.sid}) iterates, which does not run yet"] = None
     for sid, node in network.nodes.items():
+        if len(node.loops) > 1 and sid == node.loops[-1]:
+            problems[
+                f"block {node.block.name!r} (SID {sid}) iterates within another subsystem that "
+                "does, which does not run"
+            ] = None
         if kind_of(node) is None and (node.read or node.block.unknown):
             problems[
                 node.block.unknown
@@ -254,7 +279,7 @@ class _Pass:
     def __init__(
         self,
         nodes: Mapping[str, tuple[Node, Kind]],
-        order: Sequence[str | AlgebraicLoop],
+        order: Sequence[Step],
         rates: Rates,
         ports: Ports,
         network: SignalNetwork,
@@ -269,6 +294,7 @@ class _Pass:
         self._restarts: dict[str, str] = {}  # the same, of those that let states start again
         self._problems: dict[str, None] = {}
         self.lacks: list[Lack] = []  # values that are not known
+        self._iterates = False
         self._unknown: list[str] = []  # what reads signals of shapes that are not known
 
     def write(self, refused: Container[AlgebraicLoop], widenings: Counter[AlgebraicLoop]) -> None:
@@ -285,6 +311,8 @@ class _Pass:
         for step in self._order:
             if isinstance(step, str):
                 self._write_block(step)
+            elif isinstance(step, Iteration):
+                self._write_iteration(step)
             elif step in refused:
                 for sid in step.order:
                     self._write_block(sid)
@@ -331,6 +359,31 @@ class _Pass:
             self.loops.append(loop)
         elif widened(self.pen, self._network, loop, widenings[loop]):
             widenings[loop] += 1
+
+    def _write_iteration(self, step: Iteration) -> None:
+        """Write a subsystem that iterates; its blocks become one section, if they all run."""
+        first, slot, states = len(self.pen.sections), len(self.pen.slots), len(self.pen.states)
+        known = len(self._writers)
+        runs = [self._write_block(sid) for sid in step.order]
+        inner = self._writers[known:]
+        del self._writers[known:]
+        for writer, kind in inner:
+            if kind.finish is not None:
+                runs.append(self._attempted(writer, kind.finish))
+                runs.append(self._attempted(writer, Writer.require_no_restart))
+            writer.flush_after(writer.rate)
+        if not all(runs):
+            return
+        leader = next(w for w, _ in inner if w.node.sid == step.iterator)
+        if not self._attempted(leader, settled_iterator):
+            return
+        if len(self.pen.states) > states:
+            problem = leader.fault("iterates what is integrated, which does not run: sum it up")
+            self._problems[str(problem)] = None
+            return
+        parts, slots = self.pen.sections[first:], range(slot, len(self.pen.slots))
+        self.pen.sections[first:] = iterated(self.pen, leader, parts, slots)
+        self._iterates = True
 
     @property
     def problems(self) -> list[str]:
@@ -441,7 +494,7 @@ class _Pass:
             memory=tuple(pen.slots),
             rates=self._rates.periods,
             has_major=any(part.rate == MAJOR for part in pen.parts)
-            or bool(self._gate_of or self._restarts or self.loops),
+            or bool(self._gate_of or self._restarts or self.loops or self._iterates),
             resets=pen.resets,
             has_edges=bool(pen.edges),
             recorded=tuple(pen.recorded),

@@ -16,12 +16,11 @@ from drake_leg.simulink.model import Block, Function, Model, Parameters, split_p
 from drake_leg.simulink.networks.reading import Part, networks_of
 from drake_leg.simulink.networks.reflection import Reflected, without_accelerations
 from drake_leg.simulink.running.s_functions import Routine, routine_of
-from drake_leg.simulink.wiring import flatten
+from drake_leg.simulink.wiring import ITERATORS, flatten
 
 GATES = ("EnablePort", "TriggerPort", "ActionPort", "ResetPort")
 FUNCTION_CALL = "function-call"  # type of a trigger that a block calls
 OF_SYSTEM = "SystemSampleTime"  # of a subsystem, or of a MATLAB Function, which is one
-LOOPS = ("ForEach", "ForIterator", "WhileIterator")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -38,6 +37,9 @@ class Node:
     parameters: tuple[str, ...] = ()  # its arguments that are no inputs, where the file tells
     read: frozenset[str] = frozenset()  # outputs that something reads
     systems: tuple[Block, ...] = ()  # around it, that have sample times, innermost first
+    loops: tuple[str, ...] = ()  # SIDs of the iterators of the systems around, outermost first
+    copy: int = 0  # its place among the copies of a For Each subsystem
+    copied: str = ""  # SID of the For Each of which it is a copy
     feeds_motion: bool = False  # whether the derivatives of what it puts out are asked for
     part: Part | None = None  # of a network of one dimension
     poles: tuple[complex, ...] = ()  # of the network whose first part it is [1/s]
@@ -63,7 +65,6 @@ class SignalNetwork:
     nodes: Mapping[str, Node]  # by SID
     commands: Mapping[str, str]  # port of the mechanism -> port that drives it
     sensed: frozenset[str]  # ports of the mechanism that drive signals
-    loops: tuple[Block, ...] = ()  # subsystems that iterate
     entries: tuple[Block, ...] = ()  # the model's own ports, where nothing is given
     folders: Folders | None = None  # where functions lie in files
     shared: Mapping[str, Any] = field(default_factory=dict)  # global variables of scripts
@@ -135,6 +136,11 @@ class _Reading:
         for block in self._flat.blocks:
             if block.type in GATES and block.system:
                 self._gates.setdefault(block.system, []).append(block.sid)
+        self._iterators = {
+            block.system: block.sid
+            for block in self._flat.blocks
+            if block.type in ITERATORS and block.system
+        }
 
     def _undriven_entries(self) -> tuple[Block, ...]:
         """Find the model's own ports that drive something; a physical one leaves it open."""
@@ -156,12 +162,10 @@ class _Reading:
             if split_port(target)[0] not in nodes
         }
         sensed = {port for port in self._read if split_port(port)[0] not in nodes}
-        loops = {block.system for block in self._model.blocks if block.type in LOOPS}
         return SignalNetwork(
             nodes=nodes,
             commands=commands,
             sensed=frozenset(sensed),
-            loops=tuple(self._systems[sid] for sid in loops if sid in self._systems),
             entries=self._entries,
             folders=self._folders,
             shared=self._shared,
@@ -225,6 +229,7 @@ class _Reading:
             names=tuple(self._name_at(target, block) for target in targets),
             outputs=outputs,
             gates=self._gates_around(block),
+            loops=self._loops_around(block),
             systems=self._sampled_around(block),
             script=self._function(block.sid).script,
             problem=self._function(block.sid).problem,
@@ -289,6 +294,14 @@ class _Reading:
                 found.append(around)
             system = around.system
         return tuple(found)
+
+    def _loops_around(self, block: Block) -> tuple[str, ...]:
+        found: list[str] = []
+        system = block.system
+        while system:
+            found += [self._iterators[system]] if system in self._iterators else []
+            system = self._systems[system].system
+        return tuple(reversed(found))
 
     def _gates_around(self, block: Block) -> tuple[str, ...]:
         found: list[str] = []

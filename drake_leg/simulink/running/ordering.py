@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from drake_leg.arguments import some_of
 from drake_leg.errors import InvalidValueError
@@ -45,12 +45,55 @@ class AlgebraicLoop:
         return f"the signals form an algebraic loop: {self.names}: {ways}"
 
 
-def ordered(nodes: Mapping[str, tuple[Node, Kind]]) -> list[str | AlgebraicLoop]:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Iteration:
+    """The blocks of a subsystem that iterates, in the order in which they run."""
+
+    iterator: str  # SID of its For Iterator or While Iterator
+    order: tuple[str, ...]
+
+
+Step = str | AlgebraicLoop | Iteration
+
+
+def ordered(nodes: Mapping[str, tuple[Node, Kind]]) -> list[Step]:
     """Order the blocks so that each comes after those whose outputs it needs at once.
 
-    Where there is no such order, an algebraic loop stands for its blocks.
+    Where there is no such order, an algebraic loop stands for its blocks; and an iteration for
+    those of a subsystem that iterates, which need all that comes into it.
     """
-    needs = {sid: _needed_at_once(*found, nodes) for sid, found in nodes.items()}
+    unit = {sid: node.loops[0] if node.loops else sid for sid, (node, _) in nodes.items()}
+    needs: dict[str, list[tuple[str, str | None]]] = {one: [] for one in unit.values()}
+    within: dict[str, dict[str, tuple[Node, Kind]]] = {}
+    for sid, found in nodes.items():
+        if not found[0].loops:
+            needs[sid] += _needed_at_once(*found, nodes)
+            continue
+        within.setdefault(unit[sid], {})[sid] = found
+        ports = [port for port in found[0].inputs if port is not None]
+        sources = [(gate, None) for gate in found[0].gates] + [(split_port(p)[0], p) for p in ports]
+        needs[unit[sid]] += [each for each in sources if unit.get(each[0], unit[sid]) != unit[sid]]
+    needs = {one: [(unit[sid], port) for sid, port in each] for one, each in needs.items()}
+    return [_step(step, within) for step in _ordered(nodes, needs)]
+
+
+def _step(step: str | AlgebraicLoop, within: Mapping[str, Mapping[str, tuple[Node, Kind]]]) -> Step:
+    """Return a step; an iteration in the place of its iterator, none in an algebraic loop."""
+    if isinstance(step, AlgebraicLoop):
+        return replace(step, is_open=False) if set(step.order) & set(within) else step
+    if step not in within:
+        return step
+    inside = within[step]
+    needs = {sid: _needed_at_once(*found, inside) for sid, found in inside.items()}
+    inner = _ordered(inside, needs)
+    for each in inner:
+        if isinstance(each, AlgebraicLoop):
+            return replace(each, is_open=False)
+    return Iteration(iterator=step, order=tuple(each for each in inner if isinstance(each, str)))
+
+
+def _ordered(nodes: Mapping[str, tuple[Node, Kind]], needs: Needs) -> list[str | AlgebraicLoop]:
+    """Order what needs one another."""
     found: list[str | AlgebraicLoop] = []
     for circle in _circles(needs):
         (first, *others) = circle

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from drake_leg.errors import InvalidValueError, UnknownValueError
 from drake_leg.simulink.model import split_port
@@ -32,6 +32,7 @@ class Rates:
     def __init__(self, nodes: Mapping[str, tuple[Node, Kind]], fixed_step: float | None) -> None:
         self._nodes, self._fixed_step = nodes, fixed_step
         self._found: dict[str, Rate | None] = {}
+        self._entering = entering(node for node, _ in nodes.values())
         self.unknown: dict[str, UnknownValueError] = {}  # sample times without a value
         self.inherited_delays: list[str] = []  # names of delays of continuous signals
         self._settle()
@@ -42,6 +43,8 @@ class Rates:
         """Return the index of a block's rate, or CONTINUOUS, or MAJOR."""
         node, kind = self._nodes[sid]
         rate = self._found[sid] or ALWAYS
+        if node.loops:
+            return self.periods.index(rate) if rate in self.periods else CONTINUOUS
         is_major = kind.major and not self._caller(node)
         if is_major or ((kind.sampled or kind.stepwise) and rate[0] in (0.0, NEVER)):
             return MAJOR
@@ -74,7 +77,7 @@ class Rates:
                 break
         for sid, (node, kind) in self._nodes.items():
             rate = self._found[sid]
-            if kind.sampled and (rate is None or rate[0] in (0.0, NEVER)):
+            if kind.sampled and not node.loops and (rate is None or rate[0] in (0.0, NEVER)):
                 if self._fixed_step:
                     self._found[sid] = (self._fixed_step, 0.0)
                 else:
@@ -82,6 +85,8 @@ class Rates:
 
     def _own(self, node: Node, kind: Kind) -> Rate | None:
         """Return the rate that a block has by itself, None where it inherits it."""
+        if node.loops:
+            return None
         if node.routine is not None and node.routine.rate is not None:
             return node.routine.rate
         settings = Settings(node.block)
@@ -116,8 +121,13 @@ class Rates:
         caller = self._caller(node)
         if caller not in ("", node.sid):
             return self._found[caller]
+        if node.loops and node.sid != node.loops[0]:
+            return self._found[node.loops[0]]
+        ports = self._entering.get(node.sid, node.inputs)
+        if not ports:
+            return ALWAYS
         rates: set[Rate] = set()
-        for port in node.inputs:
+        for port in ports:
             if port is None:
                 continue
             sid = split_port(port)[0]
@@ -137,10 +147,22 @@ class Rates:
                 port is None
                 or split_port(port)[0] not in self._nodes
                 or self._found[split_port(port)[0]] is not None
-                for port in node.inputs
+                for port in ports
             )
             else None
         )
+
+
+def entering(nodes: Iterable[Node]) -> dict[str, list[str]]:
+    """Find the ports that drive the blocks of subsystems that iterate, by their iterators."""
+    all_nodes = list(nodes)
+    loops = {node.sid: node.loops[0] for node in all_nodes if node.loops}
+    found: dict[str, list[str]] = {loop: [] for loop in loops.values()}
+    for node in all_nodes:
+        for port in node.inputs if node.loops else ():
+            if port is not None and loops.get(split_port(port)[0]) != node.loops[0]:
+                found[node.loops[0]].append(port)
+    return found
 
 
 def _given(settings: Settings, name: str) -> Rate | None:

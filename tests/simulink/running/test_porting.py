@@ -302,3 +302,26 @@ def test_calls_and_resets(tmp_path):
     ours, theirs, _ = both(rig, tmp_path, 1.0)
     require_same(ours, theirs)
     assert theirs.shown[1].values[-1] == pytest.approx(0.65, abs=1e-6)
+
+
+def test_subsystems_that_iterate(tmp_path):
+    rig = Rig()
+    u = rig.block("ZeroOrderHold", "u", rig.block("Clock", "clock"), SampleTime="0.1")
+    loop = rig.add_block("SubSystem", "loop", ports={"in": 1, "out": 1})
+    rig.add_block("ForIterator", "three", {"IterationLimit": "3"}, system=loop)
+    into = rig.add_block("Inport", "in", {"Port": "1"}, system=loop, ports={"out": 1})
+    rig.connect(u, f"{loop}#in:1")
+    before = rig.block("UnitDelay", "before", into, SampleTime="-1", system=loop)
+    rig.connect(before, rig.add_block("Outport", "out", system=loop, ports={"in": 1}))
+    rig.show(loop, "y")
+    each = rig.add_block("SubSystem", "each", ports={"in": 1, "out": 1})
+    rig.add_block("ForEach", "for each", system=each)
+    part = rig.add_block("Inport", "in", {"Port": "1", "Partition": "on"}, system=each,
+                         ports={"out": 1})  # fmt: skip
+    rig.connect(rig.constant("[1 -2]"), f"{each}#in:1")
+    lag = rig.block("Integrator", "lag", part, system=each)
+    rig.connect(lag, rig.add_block("Outport", "out", system=each, ports={"in": 1}))
+    rig.show(each, "x")
+    ours, theirs, _ = both(rig, tmp_path, 1.0)
+    require_same(ours, theirs)
+    np.testing.assert_allclose(theirs.shown[1].values[-1], [1.0, -2.0], atol=1e-6)

@@ -89,6 +89,7 @@ def kinds_of_blocks() -> dict[str, Kind]:
         discrete,
         functions,
         gates,
+        iterators,
         lags,
         logic,
         maths,

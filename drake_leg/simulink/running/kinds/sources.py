@@ -10,9 +10,11 @@ from drake_leg.simulink.matlab.data import LackError, Struct, array_of
 from drake_leg.simulink.matlab.scenarios import scenario
 from drake_leg.simulink.running.code import Writer, literal
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.kinds.iterators import entered
 from drake_leg.simulink.running.kinds.options import sample_time
 from drake_leg.simulink.running.kinds.routing import of_bus
 from drake_leg.simulink.running.settings import Settings, Signal, as_signal
+from drake_leg.simulink.wiring import is_of_bus
 
 MOST_BREAKS = 10_000
 
@@ -412,6 +414,9 @@ def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray, t
 @kind("Inport")
 def inport(w: Writer) -> None:
     """Put out zero: nothing is given at a model's own ports; take an element out of a bus."""
+    if w.node.block.system and not is_of_bus(w.node.block):
+        entered(w)
+        return
     if w.node.block.system:
         taken = of_bus(w, w.input(0), w.settings.text("Element"))
         w.put(replace(w.let(taken.code), parts=taken.parts))
