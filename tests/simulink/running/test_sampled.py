@@ -191,3 +191,26 @@ def test_a_sum_is_reset_by_a_signal(how, resets, tmp_path):
         value += 0.1
     at = np.searchsorted(run.time, np.arange(10) * 0.1 + 0.05)
     np.testing.assert_allclose(shown(run, "y")[at], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_converter_filters_between_the_samples_of_what_comes_in(order, tmp_path):
+    """From rest at the first sample, lags of tau one behind the other."""
+    tau = 0.03  # [s]
+    rig = Rig()
+    texts = {
+        "FilteringAndDerivatives": "filter", "SimscapeFilterOrder": f"{order}",
+        "InputFilterTimeConstant": f"{tau}",
+    }  # fmt: skip
+    kind = "nesl_utility/Simulink-PS Converter"
+    enters = rig.add_library(kind, "enters", texts, ports={"in": 1})
+    rig.connect(held_sine(rig), enters)
+    leaves = rig.block("nesl_utility/PS-Simulink Converter", "leaves")
+    rig.physical(f"{enters}#rconn:1", f"{leaves}#lconn:1")
+    rig.show(f"{leaves}#out:1", "y")
+    run = rig.run(tmp_path, 0.5)
+    fine = np.linspace(0.0, 0.5, 100 * 50 + 1)
+    held = SAMPLES[np.floor(fine / STEP + 1e-9).astype(int)]
+    lag = signal.TransferFunction([1.0], np.poly([-1.0 / tau] * order) * tau**order)
+    _, expected, _ = signal.lsim(lag, held, fine, interp=False)
+    np.testing.assert_allclose(shown(run, "y"), expected[::10], atol=1e-5)

@@ -40,7 +40,7 @@ def _filter_after(w: Writer) -> None:
         w.derivative(w.kept["second"], 1)
 
 
-@kind("Simulink-PS Converter", finish=_filter_after, sample_time="")
+@kind("Simulink-PS Converter", finish=_filter_after, continuous=True, sample_time="")
 def to_physical(w: Writer) -> None:
     """Make a signal a physical one: scaled to SI, and filtered where its derivatives are asked."""
     factor, offset = _scale(w, inwards=True)
