@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.io import loadmat
 
 from drake_leg.simulink.matlab.data import LackError
-from drake_leg.simulink.matlab.matfiles import require_readable
+from drake_leg.simulink.matlab.matfiles import read_mat, require_readable
 from drake_leg.simulink.matlab.objects import Objects, elements_of
 
 _BEFORE = 120  # bytes before the end of a file's head
@@ -47,6 +47,33 @@ def scenario(path: Path, name: str) -> list[NDArray[np.float64]]:
     if not tables:
         raise LackError(f"{path.name!r} holds no series")
     return tables
+
+
+def held_series(path: Path) -> NDArray[np.float64]:
+    """Read what a file holds over time, a table of time and values.
+
+    It is a matrix whose columns are points of time, the time first, or a ``timeseries``.
+
+    Raises
+    ------
+    LackError
+        If the file holds something else, several of them, or is damaged.
+    """
+    values = [each for each in read_mat(path).values() if isinstance(each, np.ndarray)]
+    if len(values) == 1 and values[0].ndim == 2 and len(values[0]) > 1:
+        found: NDArray[np.float64] = np.asarray(values[0], dtype=float).T
+        return found
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tables = [*_series(Objects(loadmat(path)[_WHERE].tobytes()))]
+    except (KeyError, NotImplementedError):
+        tables = []
+    if len(tables) != 1:
+        raise LackError(
+            f"{path.name!r} holds {len(tables)} series and {len(values)} matrices: let it hold one"
+        )
+    return tables[0]
 
 
 def _series(objects: Objects) -> Iterator[NDArray[np.float64]]:

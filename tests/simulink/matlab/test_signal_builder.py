@@ -110,6 +110,21 @@ def scenario_file(path, *, name=b"Scenario"):
     path.write_bytes(head + held + made)
 
 
+def test_a_series_in_a_file_is_put_out(tmp_path):
+    held = matrix(17, (), element(1, b"MCOS"), element(1, b"timeseries"),
+                  words(0xDD000000, 2, 1, 1, 1, 1), name=b"held")  # fmt: skip
+    made = objects(
+        {"Data_": column(0.0, 4.0, 2.0), "TimeInfo": references(2)},
+        {"Time_": column(0.0, 0.4, 1.0), "Length": double(3.0)},
+    )
+    head = b"MATLAB 5.0 MAT-file".ljust(116) + struct.pack("<Q", 128 + len(held)) + b"\x00\x01IM"
+    (tmp_path / "s.mat").write_bytes(head + held + made)
+    rig = Rig()
+    rig.show(rig.block("FromFile", "file", FileName="s"), "y")
+    run = rig.run(tmp_path, 1.0)
+    np.testing.assert_allclose(shown(run, "y"), np.interp(run.time, [0, 0.4, 1], [0, 4, 2]))
+
+
 def edited(folder, **settings):
     rig = Rig()
     editor = rig.add_library("SignalEditorBlockLib/Signal Editor", "edit", {

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from drake_leg.simulink.matlab.data import LackError, Struct, array_of
-from drake_leg.simulink.matlab.scenarios import scenario
+from drake_leg.simulink.matlab.scenarios import held_series, scenario
 from drake_leg.simulink.running.code import Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.iterators import entered
@@ -376,6 +376,44 @@ def signal_editor(w: Writer) -> None:
     for place, table in enumerate(tables):
         w.pen.breaks |= set(table[:, 0].tolist())
         w.out(_table_over_time(w, table, between, after), place)
+
+
+@kind("FromFile", continuous=lambda settings: settings.text("SampleTime", "0") == "0")
+def from_file(w: Writer) -> None:
+    """Put out what a .mat file holds over time: a matrix, its first row the times, or a series."""
+    get = w.settings.text
+    name = get("FileName", "untitled.mat").strip("'")
+    name += "" if name.endswith(".mat") else ".mat"
+    path = None if w.pen.folders is None else w.pen.folders.within(name)
+    if path is None or not path.is_file():
+        raise w.fault(f"reads {name!r}, which is not in the given folders: give the one it is in")
+    try:
+        table = held_series(path)
+    except LackError as error:
+        raise w.fault(f"reads a file: {error}") from None
+    within = get("InterpolationWithinTimeRange", _LINES)
+    between = {_LINES: "lines", "Zero order hold": "steps"}.get(within, "")
+    last = get("ExtrapolationAfterLastDataPoint", _BEYOND)
+    after = {_BEYOND: "lines", "Hold last value": "hold", "Ground value": "zero"}.get(last, "")
+    if not between or not after or (between == "steps" and after == "lines"):
+        raise w.fault(f"has {within!r} and then {last!r}, which do not run: hold the last value")
+    w.out(_table_over_time(w, _from_the_start(w, table), between, after))
+
+
+_LINES, _BEYOND = "Linear interpolation", "Linear extrapolation"
+
+
+def _from_the_start(w: Writer, table: np.ndarray) -> np.ndarray:
+    """Add what is put out before the first time of a table, where that is not on its line."""
+    how = w.settings.text("ExtrapolationBeforeFirstDataPoint", _BEYOND)
+    if how == _BEYOND or table[0, 0] <= w.begins:
+        return table
+    w.pen.breaks.add(float(table[0, 0]))
+    early = np.array([table[0], table[0]])
+    early[0, 0] = w.begins
+    if how == "Ground value":
+        early[:, 1:] = 0.0
+    return np.concatenate([early, table])
 
 
 def workspace_table(w: Writer, given: object) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
