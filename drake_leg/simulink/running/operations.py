@@ -182,6 +182,8 @@ def table_1d(at: float, points: Array, values: Array, *, beyond: str, method: st
     place = int(np.searchsorted(points, at, side="right")) - 1
     if method == "flat":
         return float(values[min(max(place, 0), last)])
+    if method == "above":
+        return float(values[min(int(np.searchsorted(points, at, side="left")), last)])
     if method == "nearest":
         return float(values[int(np.abs(points - at).argmin())])
     if beyond == "clip":
@@ -394,12 +396,23 @@ def earlier(history: tuple[Any, ...], t: float, start: Signal) -> Signal:
     return history[-1][1]
 
 
-def table_2d(
-    a: float, b: float, rows: Array, columns: Array, table: Array, *, beyond: str, method: str
+def table_nd(
+    at: Sequence[float], points: Sequence[Array], table: Array, *, beyond: str, method: str
 ) -> float:
-    """Look a number up in a table of two dimensions."""
-    across = [table_1d(b, columns, row, beyond=beyond, method=method) for row in table]
-    return table_1d(a, rows, np.array(across), beyond=beyond, method=method)
+    """Look numbers up in a table of as many dimensions."""
+    if len(at) == 1:
+        return table_1d(at[0], points[0], table, beyond=beyond, method=method)
+    across = [table_nd(at[1:], points[1:], part, beyond=beyond, method=method) for part in table]
+    return table_1d(at[0], points[0], np.array(across), beyond=beyond, method=method)
+
+
+def on_curve(
+    at: float, curve: Callable[[float], float], points: Array, values: Array, *, beyond: str
+) -> float:
+    """Look a number up on a curve through points; beyond them, as is said."""
+    if beyond == "curve" or points[0] <= at <= points[-1]:
+        return float(curve(at))
+    return table_1d(at, points, values, beyond=beyond, method="linear")
 
 
 def pulses(t: float, amplitude: Signal, period: Signal, width: Signal, delay: Signal) -> Signal:
@@ -456,6 +469,7 @@ NAMES: dict[str, Any] = {
 NAMES |= {
     "array": np.array,
     "zeros": np.zeros,
+    "repeat": np.repeat,
     "np": np,
     "math": math,
     "inf": math.inf,

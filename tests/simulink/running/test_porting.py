@@ -325,3 +325,17 @@ def test_subsystems_that_iterate(tmp_path):
     ours, theirs, _ = both(rig, tmp_path, 1.0)
     require_same(ours, theirs)
     np.testing.assert_allclose(theirs.shown[1].values[-1], [1.0, -2.0], atol=1e-6)
+
+
+def test_tables(tmp_path):
+    rig = Rig()
+    clock = rig.block("Clock", "clock")
+    line = {"NumberOfTableDimensions": "1", "BreakpointsForDimension1": "[0 0.4 1]",
+            "Table": "[1 3 -2]", "InterpMethod": "Akima spline"}  # fmt: skip
+    solid = {"NumberOfTableDimensions": "3", "Table": "cat(3, [1 2;3 4], [5 6;0 1])"}
+    solid |= {f"BreakpointsForDimension{axis}": "[0 1]" for axis in (1, 2, 3)}
+    rig.show(rig.block("Lookup_n-D", "curve", clock, **line), "curve")
+    rig.show(rig.block("Lookup_n-D", "solid", clock, clock, clock, **solid), "solid")
+    ours, theirs, _ = both(rig, tmp_path, 1.0)
+    require_same(ours, theirs)
+    assert theirs.shown[1].values[-1] == 1.0

@@ -27,7 +27,7 @@ RUNNING = "drake_leg.simulink.running"
 MODULES = {
     **PYDRAKE,
     "Path": "pathlib",
-    "CubicSpline": "scipy.interpolate",
+    "CubicHermiteSpline": "scipy.interpolate",
     "compiled": "drake_leg.simulink.matlab.compiling",
     "Expression": f"{RUNNING}.kinds.functions",
     "shown": f"{RUNNING}.ported",
