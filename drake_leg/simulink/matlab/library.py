@@ -28,6 +28,7 @@ from drake_leg.simulink.matlab.quaternions import QUATERNIONS
 from drake_leg.simulink.matlab.records import RECORDS
 from drake_leg.simulink.matlab.robot_frames import ROBOT_FRAMES
 from drake_leg.simulink.matlab.rotations import ROTATIONS
+from drake_leg.simulink.matlab.samples import SAMPLES
 from drake_leg.simulink.matlab.seeking import SEEKING
 from drake_leg.simulink.matlab.state_spaces import STATE_SPACES
 from drake_leg.simulink.matlab.surroundings import SURROUNDINGS
@@ -35,6 +36,7 @@ from drake_leg.simulink.matlab.texts import TEXTS
 from drake_leg.simulink.matlab.trajectories import TRAJECTORIES
 from drake_leg.simulink.matlab.transfers import TRANSFERS
 from drake_leg.simulink.matlab.validators import VALIDATORS
+from drake_leg.simulink.matlab.whole_numbers import WHOLE_NUMBERS
 
 # ruff: noqa: ANN401 - any value of a script
 
@@ -107,6 +109,7 @@ CONSTANTS: dict[str, Any] = {
     **dict.fromkeys(("i", "j"), 1j),
     "realmax": float(np.finfo(float).max),
     "realmin": float(np.finfo(float).tiny),
+    "flintmax": 2.0**53,
     "true": True,
     "false": False,
 }
@@ -126,6 +129,14 @@ _OF_ONE: dict[str, Any] = {
     "asind": lambda x: _degrees(np.emath.arcsin(x)),
     "acosd": lambda x: _degrees(np.emath.arccos(x)),
     "atand": lambda x: _degrees(np.arctan(x)),
+    "asec": lambda x: np.emath.arccos(1 / x),
+    "acsc": lambda x: np.emath.arcsin(1 / x),
+    "acot": lambda x: np.arctan(1 / x),
+    "sech": lambda x: 1 / np.cosh(x),
+    "csch": lambda x: 1 / np.sinh(x),
+    "coth": lambda x: 1 / np.tanh(x),
+    "erf": np.vectorize(lambda x: math.erf(np.real(x)), otypes=[float]),
+    "erfc": np.vectorize(lambda x: math.erfc(np.real(x)), otypes=[float]),
     "sinc": np.sinc,
     "sinh": np.sinh,
     "cosh": np.cosh,
@@ -171,6 +182,7 @@ _OF_TWO: dict[str, Any] = {
     "atan2": np.arctan2,
     "atan2d": lambda y, x: _degrees(np.arctan2(y, x)),
     "hypot": np.hypot,
+    "nthroot": numeric.real_root,
     "mod": numeric.mod,
     "rem": numeric.rem,
     "power": numeric.power,
@@ -223,6 +235,8 @@ KNOWN: dict[str, Known] = {
         for name, function in (ROTATIONS | QUATERNIONS | ROBOT_FRAMES).items()
     },
     **GATHERING,
+    **SAMPLES,
+    **WHOLE_NUMBERS,
     **TEXTS,
     **SEEKING,
     **SURROUNDINGS,
@@ -256,10 +270,12 @@ _SYSTEM = (
     "writecell writematrix writetable xlswrite"
 )
 _TEXTS = "evalc inline"
+_DAYS = "clock cputime date datenum datestr datetime now weekday"
 NOT_RUN: dict[str, str] = {
     **dict.fromkeys(_PICTURES.split(), "pictures are not drawn"),
     **dict.fromkeys(_MODELS.split(), "a script does not work on models here"),
     **dict.fromkeys(_ASKED.split(), "a script asks nobody here"),
     **dict.fromkeys(_SYSTEM.split(), "a script reaches neither the system nor files here"),
+    **dict.fromkeys(_DAYS.split(), "nothing depends on the time of day here"),
     **dict.fromkeys(_TEXTS.split(), "a text is not run as code"),
 }

@@ -186,3 +186,13 @@ def power(x: Any, y: Any) -> Any:  # noqa: ANN401
     if real and np.any((np.asarray(x) < 0) & np.isfinite(y) & (np.asarray(y) % 1 != 0)):
         x = np.asarray(x, dtype=complex)
     return np.power(x, y)
+
+
+def real_root(x: Any, n: Any) -> Any:  # noqa: ANN401 - arrays or numbers
+    """``nthroot``: the real root of a real number; of a negative one for odd whole ``n`` alone."""
+    x, n = np.real(x), np.real(n)
+    if np.any((x < 0.0) & (np.mod(n, 2.0) != 1.0)):
+        raise MatlabError("'nthroot' takes an odd whole root of a negative number")
+    found = np.sign(x) * np.abs(x) ** (1.0 / n)
+    step = (found**n - x) / (n * found ** (n - 1.0))  # of Newton's method, against rounding
+    return np.where(np.isfinite(step), found - step, found)

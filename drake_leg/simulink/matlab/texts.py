@@ -249,6 +249,24 @@ def _print(budget: Allowance, wanted: int, *arguments: Any) -> str:
     return made
 
 
+def _signs(function: Callable[[str], bool]) -> Callable[[Any], Any]:
+    """Make a function that tells something of each sign of a text; of numbers, it is false."""
+
+    def told(value: Any) -> Any:
+        if isinstance(value, str):
+            return settled(np.array([[function(sign) for sign in value]], dtype=bool))
+        return settled(np.zeros(np.shape(array_of(value)), dtype=bool))
+
+    return told
+
+
+def _first_word(text: Any, ends: Any = " \t\n\v\f\r\0") -> Any:
+    """``[word, rest] = strtok(text, ends)``."""
+    plain = str(text).lstrip(str(ends))
+    length = next((k for k, sign in enumerate(plain) if sign in str(ends)), len(plain))
+    return plain[:length], plain[length:]
+
+
 _OF_TEXTS: dict[str, Callable[..., Any]] = {
     "num2str": num2str,
     "int2str": lambda value: num2str(settled(np.round(array_of(value)))),
@@ -264,6 +282,10 @@ _OF_TEXTS: dict[str, Callable[..., Any]] = {
     "contains": _contains,
     "strrep": _each_text(_replaced),
     "strtrim": _each_text(lambda text: text.strip()),
+    "deblank": _each_text(lambda text: text.rstrip()),
+    "isspace": _signs(str.isspace),
+    "isletter": _signs(str.isalpha),
+    "strtok": _first_word,
     "upper": _each_text(lambda text: text.upper()),
     "lower": _each_text(lambda text: text.lower()),
     "strcmp": _compared(lambda a, b: a == b),
