@@ -496,14 +496,15 @@ BUILT_IN: dict[str, Parameters] = {
 
 _NAMES = """
 Abs ActionPort ArithShift Assertion Assignment BitwiseOperator BusAssignment BusToVector Clock
-CombinatorialLogic ComplexToImag ConnectionLabel CustomGaugeBlock
+CombinatorialLogic ComplexToImag ConnectionLabel CustomGaugeBlock DiscreteZeroPole
 DashboardScope DataTypeConversion DataTypeDuplicate DataTypePropagation DigitalClock Display
 DisplayBlock DotProduct EditField EnablePort Find FirstOrderHold FloatingScope ForEach
 ForIterator FunctionCallGenerator FunctionCallSplit GaugeBlock Ground IC If InitialCondition
 Inspector Interpolation_n-D KnobBlock LampBlock LinearGaugeBlock Lookup Lookup2D Lookup_n-D
 LookupNDDirect MagnitudeAngleToComplex PermuteDimensions Polyval PreLookup Probe PushButtonBlock
 Queue RateTransition RealImagToComplex Record ResetPort Reshape RockerSwitchBlock
-RotarySwitchBlock S-Function SignalConversion SignalSpecification SignalViewerScope Signum
+RotarySwitchBlock S-Function SemiCircularGaugeBlock
+SignalConversion SignalSpecification SignalViewerScope Signum
 SliderBlock SliderSwitchBlock Squeeze Stop SwitchCase Terminator TimeScope TmpDummySource
 ToggleSwitchBlock TriggerPort TwoWayConnection UnaryMinus VariableTimeDelay WhileIterator Width
 ZeroOrderHold
@@ -542,6 +543,7 @@ _SIMULINK: dict[str, Parameters] = {
     "Compare To Constant": choices(relop="<=", const="3"),
     "Compare To Zero": choices(relop="<="),
     "S-R Flip-Flop": numbers(initial_condition="0"),
+    "Transfer Fcn (with initial outputs)": numbers(N="[1]", D="[1 1]", U0="0", Y0="0"),
 }
 
 _SIMULINK_WITHOUT_TABLE = """
@@ -556,8 +558,9 @@ Hermitian Transpose, Identity Matrix, IsSymmetric, Submatrix, Permute Matrix, We
 Time Math, Unit Conversion, Environment Controller, Manual Variant Source, Manual Variant Sink,
 DocBlock, Model Info, Enumerated Constant, Sine, Cosine, Lookup Table Dynamic, Degrees to
 Radians, Radians to Degrees, Cartesian to Polar, Polar to Cartesian, Cartesian to Spherical,
-Spherical to Cartesian, Bitwise Operator, Function-Call
-Generator, Function-Call Split, Real-Time Pacer, Simulation Pace, Power Spectral Density
+Spherical to Cartesian, Bitwise Operator, Bus to Vector,
+Check Static Range, Divide, Saturation, Vector Concatenate, Function-Call Generator, Function-Call
+Split, Real-Time Pacer, Simulation Pace, Power Spectral Density
 """
 
 _FOUNDATION_WITHOUT_TABLE = """
@@ -650,6 +653,10 @@ LIBRARIES: dict[str, dict[str, Parameters]] = {
         "Signal Editor": choices(FileName="untitled.mat", ActiveScenario="Scenario"),
     },
     "dspsrcs4": _DSP,
+    "dspstat3": {"Moving Average": choices(Method="Sliding window") + numbers(WindowLength="4")},
+    "hdlsllib": {"Multiply-Add": choices(Function="c+(a.*b)")},
+    "robotroslib": without_table("Publish"),
+    "vrlib": without_table("Joystick Input"),
     "pid_lib": {name: _SIMULINK[name] for name in ("PID Controller", "PID Controller (2DOF)")},
     "sm_lib": MULTIBODY,
     "nesl_utility": _UTILITIES,

@@ -6,10 +6,13 @@ import pytest
 from mechanism_models import BODIES, MechanismBuilder
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.catalogue import LIBRARIES, MULTIBODY
+from drake_leg.simulink.catalogue import BUILT_IN, LIBRARIES, MULTIBODY, WITHOUT_PARAMETERS
 from drake_leg.simulink.dynamics.system import mechanism_dynamics
+from drake_leg.simulink.logged import SCOPE
 from drake_leg.simulink.mechanism import AT_GEOMETRY
 from drake_leg.simulink.multibody.connections import CONSTRAINTS, FORCES
+from drake_leg.simulink.running.kinds import kinds_of_blocks
+from drake_leg.simulink.running.unrolling import JOINED
 from drake_leg.simulink.supported import LEFT_OUT, REFUSED, in_mechanism, in_motion, page
 
 NEEDED = {
@@ -21,6 +24,13 @@ PAGE = Path(__file__).parents[2] / "docs" / "blocks.md"
 
 def test_the_page_is_up_to_date():
     assert PAGE.read_text(encoding="utf-8") == page()
+
+
+def test_the_page_lists_all_kinds_that_run():
+    """Others have names of this project's own, or are subsystems in files."""
+    known = {*BUILT_IN, *WITHOUT_PARAMETERS}.union(*LIBRARIES.values())
+    own = {"Chart", "MATLAB Function", "Replaced", JOINED, SCOPE}
+    assert {*kinds_of_blocks()} - known == own
 
 
 @pytest.mark.parametrize("kind", MULTIBODY)

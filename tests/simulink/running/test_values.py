@@ -168,6 +168,13 @@ CASES = [
         20.0,
     ),
     ("simulink/Lookup/Lookup Table Dynamic", {}, ["4", "[0 1 3]", "[0 10 20]"], 25.0),
+    ("hdlsllib/HDL Operations/Multiply-Add", {}, [V, "2", "10"], [12.0, 6.0, 16.0]),
+    (
+        "hdlsllib/HDL Operations/Multiply-Add",
+        {"Function": "(a.*b)-c"},
+        ["3", "4", "5"],
+        7.0,
+    ),
     ("simulink/Limits/Dead Zone Dynamic", {}, ["2", V, "-1"], [0.0, -1.0, 1.0]),
     ("simulink_extras/Cartesian to Polar", {}, ["3", "4"], 5.0),
     ("simulink_extras/Polar to Cartesian", {}, ["2", "pi/3"], 1.0),

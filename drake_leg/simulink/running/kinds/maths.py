@@ -297,6 +297,22 @@ def extreme(w: Writer) -> None:
         w.out(code)
 
 
+_MULTIPLIED = {"c+(a.*b)": "{c} + {a} * {b}", "c-(a.*b)": "{c} - {a} * {b}"}
+_MULTIPLIED |= {"(a.*b)+c": "{a} * {b} + {c}", "(a.*b)-c": "{a} * {b} - {c}"}
+
+
+@kind("Multiply-Add")
+def multiplied_and_added(w: Writer) -> None:
+    """Multiply the first two inputs, and add the third, or subtract."""
+    how = w.settings.text("Function", "c+(a.*b)").replace(" ", "")
+    if how not in _MULTIPLIED:
+        raise w.fault(
+            f"computes {how!r}, which does not run: choose one of {', '.join(_MULTIPLIED)}"
+        )
+    a, b, c = w.alike([w.numeric(place) for place in range(3)])
+    w.out(_MULTIPLIED[how].format(a=a.code, b=b.code, c=c.code))
+
+
 @kind("DotProduct")
 def dot(w: Writer) -> None:
     """Take the scalar product."""
