@@ -438,6 +438,10 @@ class Writer:
         lines = self._memories_of_inputs if of_inputs else self._memories
         lines.append(f"m[{slot}] = {code}")
 
+    def wide(self, number: int = 0) -> tuple[int, ...]:
+        """Return the shape that a place in the memory needs, () until it is known."""
+        return self.pen.shapes.get(f"{self.node.sid}.m{number}", ())
+
     def remember_at_once(self, code: str, number: int = 0) -> None:
         """Write what is remembered at any event."""
         self._restarts.append(f"m[{self.kept[f'slot {number}']}] = {code}")

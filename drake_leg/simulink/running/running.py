@@ -38,7 +38,7 @@ from drake_leg.simulink.running.left_out import LeftOut, without_constraints
 from drake_leg.simulink.running.network import SignalNetwork, signal_network
 from drake_leg.simulink.running.rates import Rate
 from drake_leg.simulink.running.replacing import replaced
-from drake_leg.simulink.running.stepping import STIFF, Stepper
+from drake_leg.simulink.running.stepping import MOST_EVALUATIONS, STIFF, Stepper
 from drake_leg.simulink.running.system import base_rate
 from drake_leg.simulink.running.watching import StepWatch, is_too_short, reason_of
 from drake_leg.units import require_non_negative, require_positive
@@ -465,6 +465,13 @@ def _said_of_errors(stepper: Stepper, ready: Runnable) -> Iterator[str]:
         yield (
             f"swings too fast to be shown are damped from {since + begins:.4g} s on, at an "
             f"accuracy of {coarse:g}; `accuracy` lets them be followed"
+        )
+    if stepper.hurried is not None:
+        since, coarse = stepper.hurried
+        yield (
+            f"from {since + begins:.4g} s on the accuracy is coarser, at last {coarse:g}: at its "
+            f"pace the run would take more than {MOST_EVALUATIONS:,} evaluations, as where there "
+            "is noise, or a signal jumps to and fro; `accuracy` lets it take them"
         )
     if stepper.forced:
         times = [*dict.fromkeys(f"{time + begins:.4g} s" for time in stepper.forced)]

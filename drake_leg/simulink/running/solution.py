@@ -53,7 +53,8 @@ class Solution:
     longest, shortest : float
         Bounds of the steps [s].
     coarsest : float, optional
-        Accuracy up to which fast swings may be damped that need not be seen.
+        Accuracy up to which fast swings may be damped that need not be seen, and to which steps
+        may be relaxed.
     pattern : (n, n), optional
         Which rates, in rows, may depend on which states: all of them, if it is not given.
     """
@@ -70,7 +71,7 @@ class Solution:
         coarsest: float = 0.0,
         pattern: Pattern | None = None,
     ) -> None:
-        self.t, self.x, self.steps = t, x.copy(), 0
+        self.t, self.x, self.steps, self.evaluations = t, x.copy(), 0, 0
         self._rates = rates
         self.accuracy, self._longest, self._shortest = accuracy, longest, shortest
         self._asked, self._coarsest = accuracy, coarsest
@@ -103,6 +104,7 @@ class Solution:
             return
 
         def rates(time: float, states: Array) -> Array:
+            self.evaluations += 1
             return self._rates(min(time, last), states)
 
         method.begin(rates, t, x, end)
@@ -140,6 +142,14 @@ class Solution:
         """Replace the states, and their derivatives from here on."""
         self.x, self._rates = x, rates
         self._method.forget()
+
+    def relax(self) -> bool:
+        """Go on at a coarser accuracy, up to the coarsest; tell whether there is one."""
+        if self._asked >= self._coarsest:
+            return False
+        self._asked = min(COARSER * self._asked, self._coarsest)
+        self.accuracy = max(self.accuracy, self._asked)
+        return True
 
     def cut(self, time: float) -> None:
         """Take the last step back to a time within it."""

@@ -55,6 +55,8 @@ EDGE, ROUNDING = 1e-12, 4e-16  # [s], and of the time: how exactly an edge is lo
 CHATTER = 1e-5  # of the longest step: a step that is cut so soon lets the next one be whole
 PASSED_OVER = 100.0  # shortest steps
 IN_A_ROW = 3  # of the shortest steps whose error is not controlled
+PACE = 50_000  # evaluations after which a run is asked how far it has come
+MOST_EVALUATIONS = 1_000_000  # of a whole run, at its pace; beyond, its accuracy is coarser
 FAST = 10.0  # least quotient of the longest step and the time constant of a filter
 
 
@@ -101,6 +103,8 @@ class Stepper:
         self.relaxed: float | None = None  # [s], from where on the accuracy is coarser
         self.forced: list[float] = []  # [s], where the shortest steps were taken
         self.damped: tuple[float, float] | None = None  # [s], since when swings are, and accuracy
+        self.hurried: tuple[float, float] | None = None  # [s], since when, and the accuracy
+        self._paced = 0, 0.0  # evaluations, and time [s], when it was asked last
         self._in_a_row = 0
         self._before = 0  # steps of what integrated before
         self._idle = 0  # steps of Drake's simulator that took no time
@@ -129,7 +133,7 @@ class Stepper:
         has_edges : bool
             Whether something happens where signals change their sign: steps end there.
         coarsest : float
-            Accuracy up to which fast swings may be damped.
+            Accuracy up to which fast swings may be damped, and a run may be hurried.
         """
         self._corners, self._rates, self._has_edges = corners, rates, has_edges
         self._own = Solution(
@@ -142,6 +146,7 @@ class Stepper:
             coarsest=coarsest,
             pattern=pattern,
         )
+        self._paced = 0, self.context.get_time()
 
     @property
     def integrator(self) -> str:
@@ -284,10 +289,23 @@ class Stepper:
             self._watch(self.context)  # which may put driven axes on their motions
             own.correct(self._states())
             self.damped = own.damped
+            self._keep_pace(own)
         self._put(own, min(time, own.t))
         if time < own.t:
             self._watch.follow(self.context)
         return True
+
+    def _keep_pace(self, own: Solution) -> None:
+        """Let the accuracy be coarser where the run would take too many evaluations."""
+        evaluations, time = self._paced
+        spent = own.evaluations - evaluations
+        if spent < PACE:
+            return
+        self._paced = own.evaluations, own.t
+        too_slow = spent * self._corners[-1] > MOST_EVALUATIONS * (own.t - time)
+        if too_slow and own.relax():
+            since = own.t if self.hurried is None else self.hurried[0]
+            self.hurried = since, own.accuracy
 
     def _end_at_edge(self, own: Solution, signs: Array) -> None:
         """Cut a step where a signal that lets something happen has changed its sign.

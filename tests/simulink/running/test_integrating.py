@@ -107,6 +107,34 @@ def test_where_no_step_is_short_enough_the_accuracy_is_that_of_the_file(tmp_path
     assert run.steps > 500
 
 
+def test_a_run_that_would_take_too_many_evaluations_is_as_accurate_as_the_file_asks(
+    tmp_path, monkeypatch
+):
+    """Friction that jumps with the sign of a velocity, which slides to and fro over zero."""
+    monkeypatch.setattr("drake_leg.simulink.running.stepping.PACE", 500)
+    monkeypatch.setattr("drake_leg.simulink.running.stepping.MOST_EVALUATIONS", 5_000)
+    rig = Rig()
+    rig.solver.update(Solver="ode15s")
+    velocity = rig.block("Integrator", "velocity", "", InitialCondition="0.3")
+    friction = rig.block("Gain", "friction", rig.block("Signum", "sign", velocity), Gain="5")
+    force = rig.block("Sin", "force", Frequency="3")
+    rig.connect(rig.block("Sum", "sum", force, friction, Inputs="+-"), velocity)
+    rig.show(velocity, "v")
+    ready = runnable(read_model(rig.write(tmp_path / "rig.slx")), duration=1.0)
+    run = run_model(ready)
+    assert run.ended == 1.0
+    assert run.accuracy == 1e-3
+    assert any("on the accuracy is coarser, at last 0.001" in said for said in run.remarks)
+    assert run.steps < 5_000
+    v = shown(run, "v")
+    slides = run.time < 0.05
+    exact = 0.3 - 5 * run.time + (1 - np.cos(3 * run.time)) / 3
+    np.testing.assert_allclose(v[slides], exact[slides], atol=1e-5)
+    assert np.abs(v[run.time > 0.1]).max() < 5e-3
+    short = runnable(read_model(tmp_path / "rig.slx"), duration=0.07)
+    assert run_model(short, accuracy=1e-5).accuracy == 1e-5
+
+
 def test_an_accuracy_that_is_asked_for_chooses_the_steps(tmp_path):
     rig = Rig()
     rig.solver.update(**FIXED, FixedStep="0.1")

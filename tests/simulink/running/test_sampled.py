@@ -214,3 +214,23 @@ def test_a_converter_filters_between_the_samples_of_what_comes_in(order, tmp_pat
     lag = signal.TransferFunction([1.0], np.poly([-1.0 / tau] * order) * tau**order)
     _, expected, _ = signal.lsim(lag, held, fine, interp=False)
     np.testing.assert_allclose(shown(run, "y"), expected[::10], atol=1e-5)
+
+
+@pytest.mark.parametrize("top", [[2.0, 1.0], [1.0]])
+@pytest.mark.parametrize("loop", [False, True])
+def test_a_filter_takes_each_entry_of_a_vector(top, loop, tmp_path):
+    """Against SciPy's filter of each; with a loop, u is the sine less what comes out."""
+    rig = Rig()
+    held = rig.block("Gain", "both", held_sine(rig), Gain="[1; -3]")
+    texts = {"Numerator": f"{top}", "Denominator": "[1 -0.5 0.2]", "SampleTime": f"{STEP}"}
+    filtered = rig.block("DiscreteTransferFcn", "filter", "" if loop else held, **texts)
+    top = np.pad(top, (3 - len(top), 0))
+    bottom = np.array([1.0, -0.5, 0.2])
+    if loop:
+        rig.connect(rig.block("Sum", "error", held, filtered, Inputs="+-"), filtered)
+        bottom = bottom + top
+    rig.show(filtered, "y")
+    run = rig.run(tmp_path)
+    rows, k = between_samples(run)
+    expected = signal.lfilter(top, bottom, np.outer([1.0, -3.0], SAMPLES)).T[k]
+    np.testing.assert_allclose(shown(run, "y")[rows], expected[rows], atol=1e-12)

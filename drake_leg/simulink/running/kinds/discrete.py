@@ -193,10 +193,18 @@ def _passed(w: Writer, gain: str) -> str:
 
 def _filter_after(w: Writer) -> None:
     A, B = w.kept["linear"]
-    if A.shape[0]:
-        w.remember(
-            f"{w.constant(A, 'A')} @ {w.kept['x']} + {w.constant(B, 'B')} @ {w.vector(0).code}"
-        )
+    if not A.shape[0]:
+        return
+    u, x = w.vector(0), w.kept["x"]
+    entering = u.code
+    if _is_of_channels(w, B) and u.size > 1:
+        entering, x = f"{u.code}.reshape(1, -1)", f"{x}.reshape({len(A)}, -1)"
+    w.remember(f"{w.constant(A, 'A')} @ {x} + {w.constant(B, 'B')} @ {entering}")
+
+
+def _is_of_channels(w: Writer, B: np.ndarray) -> bool:
+    """Tell whether each entry of a vector is filtered alike."""
+    return B.shape[1] == 1 and w.node.block.type != "DiscreteStateSpace"
 
 
 def _filter_inputs(node: Node, settings: Settings) -> Iterable[int]:
@@ -238,17 +246,20 @@ def _matrices(kind_of_block: str, s: Settings) -> tuple[np.ndarray, ...]:
 @kind("DiscreteTransferFcn", "DiscreteFilter", "DiscreteStateSpace", "DiscreteFir",
       "DiscreteZeroPole", finish=_filter_after, direct=_filter_inputs, sampled=True)  # fmt: skip
 def discrete_filter(w: Writer) -> None:
-    """Filter by a discrete linear system, from rest or from states that are all the same."""
+    """Filter each entry by a discrete linear system, from rest or from states all the same."""
     A, B, C, D = _matrices(w.node.block.type, w.settings)
     w.kept["linear"] = A, B
     codes = []
     if A.shape[0]:
-        x = w.remembered(_initial_states(w, A.shape[0]))
+        start, wide = _initial_states(w, A.shape[0]), w.wide()
+        x = w.remembered(np.tile(start[:, np.newaxis], wide[1]) if len(wide) == 2 else start)
         w.kept["x"] = x.code
         codes.append(f"{w.constant(C, 'C')} @ {x.code}")
     if np.any(D) or not codes:
-        codes.append(f"{w.constant(D, 'D')} @ {w.vector(0).code}")
-    w.out(f"settled({' + '.join(codes)})")
+        u = w.vector(0)
+        is_wide = _is_of_channels(w, B) and u.size > 1
+        codes.append(f"{w.constant(D, 'D')} @ {u.code}{'.reshape(1, -1)' if is_wide else ''}")
+    w.out(f"settled(({' + '.join(codes)}).ravel())")
 
 
 def _initial_states(w: Writer, count: int) -> np.ndarray:
