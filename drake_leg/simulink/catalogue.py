@@ -559,8 +559,10 @@ Time Math, Unit Conversion, Environment Controller, Manual Variant Source, Manua
 DocBlock, Model Info, Enumerated Constant, Sine, Cosine, Lookup Table Dynamic, Degrees to
 Radians, Radians to Degrees, Cartesian to Polar, Polar to Cartesian, Cartesian to Spherical,
 Spherical to Cartesian, Bitwise Operator, Bus to Vector,
-Check Static Range, Divide, Saturation, Vector Concatenate, Function-Call Generator, Function-Call
-Split, Real-Time Pacer, Simulation Pace, Power Spectral Density
+Check Static Range, Check Static Lower Bound, Check Static Upper Bound, Check Static Gap, Check
+Dynamic Gap, Check Dynamic Range, Check Dynamic Lower Bound, Check Dynamic Upper Bound, Check
+Discrete Gradient, Check Input Resolution, Divide, Saturation, Vector Concatenate, Function-Call
+Generator, Function-Call Split, Real-Time Pacer, Simulation Pace, Power Spectral Density
 """
 
 _FOUNDATION_WITHOUT_TABLE = """

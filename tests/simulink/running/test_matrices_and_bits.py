@@ -188,3 +188,55 @@ def test_few_samples_are_filtered(kind, parameters, coefficients, tmp_path):
     rows = np.abs(run.time / STEP - np.round(run.time / STEP)) > 1e-6
     expected = signal.lfilter(*coefficients, SAMPLES)[k[rows]]
     np.testing.assert_allclose(shown(run, "y")[rows], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "bounds", "expected"),
+    [
+        ("Lower Bound", "3.9", {"min": "3.9"}, 1.0),
+        ("Lower Bound", "3.9", {"min": "3.9", "min_included": "off"}, 0.0),
+        ("Upper Bound", "[1 2]", {"max": "[2 1]"}, 0.0),
+        ("Range", "[1 2]", {"min": "1", "max": "2"}, 1.0),
+    ],
+)
+def test_a_check_tells_whether_a_signal_is_within_bounds(kind, value, bounds, expected, tmp_path):
+    kind = f"simulink/Model Verification/Check Static {kind}"
+    assert value_of(tmp_path, kind, value, **bounds, export="on") == expected
+
+
+def test_a_check_of_another_kind_puts_nothing_out(tmp_path):
+    with pytest.raises(InvalidValueError, match="puts out whether its check holds"):
+        value_of(tmp_path, "simulink/Model Verification/Check Static Gap", "1")
+
+
+def lagging(**parameters):
+    rig = Rig()
+    into = rig.add_library("nesl_utility/Simulink-PS Converter", "in", ports={"in": 1})
+    rig.connect(rig.constant("2"), into)
+    lag = rig.add_library("fl_lib/Physical Signals/Linear Operators/PS Transfer Function", "lag",
+                          parameters)  # fmt: skip
+    out = rig.add_library("nesl_utility/PS-Simulink Converter", "out", ports={"out": 1})
+    rig.physical(f"{into}#rconn:1", f"{lag}#lconn:1")
+    rig.physical(f"{lag}#rconn:1", f"{out}#lconn:1")
+    rig.show(out, "y")
+    return rig
+
+
+def test_a_physical_signal_lags(tmp_path):
+    run = lagging(T="300", T_unit="ms", y0="-1", y0_unit="1").run(tmp_path)
+    expected = 2.0 - 3.0 * np.exp(-run.time / 0.3)
+    np.testing.assert_allclose(shown(run, "y"), expected, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"transfer_function_type": "foundation.enum.transfer_function_type.lead_lag"},
+         "has transfer_function_type 'lead_lag'"),
+        ({"reset_method": "foundation.enum.IntegratorResetSpec.Rising"}, "has reset_method"),
+        ({"T": "0"}, "has the time constant 0 s; it must be positive"),
+    ],
+)  # fmt: skip
+def test_a_physical_filter_that_does_not_run_is_refused(parameters, message, tmp_path):
+    with pytest.raises(InvalidValueError, match=message):
+        lagging(**parameters).code(tmp_path)

@@ -134,6 +134,31 @@ def ps_integrator(w: Writer) -> None:
     )
 
 
+def _lag_after(w: Writer) -> None:
+    u, y = w.numeric().code, w.kept["output"]
+    w.derivative(f"({u} - {y}) / {literal(w.kept['constant'])}")
+
+
+@kind("PS Transfer Function", finish=_lag_after, direct=no_inputs, continuous=True, sample_time="")
+def ps_lag(w: Writer) -> None:
+    """Lag behind a physical signal with a time constant, from a given output."""
+    from drake_leg.simulink.running.kinds.sources import in_si
+
+    usual = {"transfer_function_type": "lag", "reset_method": "None",
+             "initial_condition_spec": "Internal"}  # fmt: skip
+    for name, value in usual.items():
+        given = w.settings.text(name, value).rpartition(".")[2]
+        if given.lower() != value.lower():
+            raise w.fault(f"has {name} {given!r}, which does not run: choose {value!r}")
+    w.kept["constant"] = constant = float(in_si(w, "T", "0.01"))
+    if not constant > 0.0:
+        raise w.fault(f"has the time constant {constant:g} s; it must be positive")
+    w.fades([-1.0 / constant])
+    state = w.state(in_si(w, "y0", "0"))
+    w.kept["output"] = state.code
+    w.put(state)
+
+
 def _derivative_after(w: Writer) -> None:
     u = w.numeric()
     w.remember(u.code, number=0)

@@ -52,11 +52,40 @@ def to_workspace(w: Writer) -> None:
     show(w, [w.settings.text("VariableName", "simout")])
 
 
-@kind("Terminator", "PS Terminator", "Check Static Range", "Assertion", "Simulation Pace",
+@kind("Terminator", "PS Terminator", "Assertion", "Simulation Pace",
       "Real-Time Pacer", "Publish", "DataTypePropagation", "DocBlock", "Model Info",
       "Power Spectral Density", "Inspector", sample_time="")  # fmt: skip
 def ended(_: Writer) -> None:
     """Do nothing."""
+
+
+_BOUNDS = {"min": ">", "max": "<"}
+
+
+@kind("Check Static Range", "Check Static Lower Bound", "Check Static Upper Bound", sample_time="")
+def checked(w: Writer) -> None:
+    """Tell whether a signal is within bounds, where that is put out; it never ends the run."""
+    if not w.node.outputs:
+        return
+    u = w.numeric().code
+    terms = []
+    for name, sign in _BOUNDS.items():
+        if w.node.block.kind in (_CHECKS[name], "Check Static Range"):
+            equal = "=" if w.settings.text(f"{name}_included", "on") == "on" else ""
+            terms.append(f"np.all({u} {sign}{equal} {w.constant(w.settings.array(name))})")
+    w.out(f"float({' and '.join(terms)})")
+
+
+_CHECKS = {"min": "Check Static Lower Bound", "max": "Check Static Upper Bound"}
+
+
+@kind("Check Static Gap", "Check Dynamic Gap", "Check Dynamic Range", "Check Dynamic Lower Bound",
+      "Check Dynamic Upper Bound", "Check Discrete Gradient", "Check Input Resolution",
+      sample_time="")  # fmt: skip
+def unchecked(w: Writer) -> None:
+    """Check nothing: a run does not end there."""
+    if w.node.read:
+        raise w.fault("puts out whether its check holds, which does not run: replace it")
 
 
 @kind("LinearGaugeBlock", "SemiCircularGaugeBlock", "GaugeBlock", "CustomGaugeBlock", "LampBlock",
