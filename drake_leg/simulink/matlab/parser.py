@@ -10,9 +10,10 @@ from drake_leg.simulink.matlab import syntax
 from drake_leg.simulink.matlab.expressions import ExpressionParser
 from drake_leg.simulink.matlab.inner_functions import beside_one_another
 from drake_leg.simulink.matlab.numeric import MatlabError
-from drake_leg.simulink.matlab.tokens import DECLARATIONS, JUMPS, REFUSED
+from drake_leg.simulink.matlab.tokens import CLASS, DECLARATIONS, JUMPS, REFUSED
 
 _SEPARATORS = (";", ",", "\n")
+_OBJECT = "obj"  # what the function of a class returns
 
 Found = TypeVar("Found")
 
@@ -52,6 +53,10 @@ class Parser(ExpressionParser):
         while self.next.kind != "stop":
             if self._sees_keyword("function"):
                 functions.append(self._function())
+                self._skip_separators()
+                continue
+            if self._sees_keyword(CLASS):
+                functions.append(self._class())
                 self._skip_separators()
                 continue
             before = self._at
@@ -123,6 +128,37 @@ class Parser(ExpressionParser):
         elif self._inside:
             raise MatlabError("an 'end' is missing", self.next.line)
         return body, tuple(inner)
+
+    def _class(self) -> syntax.Function:
+        """Read a class of properties alone, as the function that makes a structure of them."""
+        line = self.take().line
+        self.name = self._identifier()
+        if not self.sees(*_SEPARATORS):
+            raise MatlabError("a class that inherits, or has attributes, is not supported", line)
+        made = _OBJECT, syntax.Apply(name="struct", arguments=())
+        body = [syntax.Assign(line=line, targets=(syntax.Target(name=made[0]),), value=made[1])]
+        self._skip_separators()
+        while not self._sees_keyword("end"):
+            if self.next.text != "properties":
+                raise MatlabError(f"a class with {self.next.text} is not supported", self.next.line)
+            self.take()
+            while not self.sees("\n"):  # attributes, such as who may see them
+                self.take()
+            self._skip_separators()
+            while not self._sees_keyword("end"):
+                body.append(_property(self._entry()))
+                self._skip_separators()
+            self.take()
+            self._skip_separators()
+        self.take()
+        return syntax.Function(
+            line=line,
+            name=self.name,
+            inputs=(),
+            outputs=(_OBJECT,),
+            body=tuple(body),
+            nesting=self.deepest,
+        )
 
     def _validated(self) -> tuple[syntax.Validated, ...]:
         """Read the ``arguments`` blocks of a function."""
@@ -333,6 +369,12 @@ def _checked(check: syntax.Expression, value: syntax.Expression) -> syntax.Expre
     if isinstance(check, syntax.Field):
         return syntax.Part(base=check, arguments=(value,))
     return check
+
+
+def _property(entry: syntax.Validated) -> syntax.Assign:
+    to = syntax.Field(base=syntax.Name(name=_OBJECT), name=entry.name)
+    value = entry.default or syntax.Matrix(rows=())
+    return syntax.Assign(line=entry.line, targets=(_target(to, entry.line),), value=value)
 
 
 def _flat(functions: tuple[syntax.Function, ...]) -> tuple[syntax.Function, ...]:

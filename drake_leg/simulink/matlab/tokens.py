@@ -11,8 +11,8 @@ BLOCKS = ("function", "if", "elseif", "else", "end", "for", "while", "parfor")
 CHOICES = ("switch", "case", "otherwise", "try", "catch")
 JUMPS = ("break", "continue", "return")
 DECLARATIONS = ("persistent", "global")
-REFUSED = ("spmd", "classdef")
-KEYWORDS = frozenset((*BLOCKS, *CHOICES, *JUMPS, *DECLARATIONS, *REFUSED))
+CLASS, REFUSED = "classdef", ("spmd",)
+KEYWORDS = frozenset((*BLOCKS, *CHOICES, *JUMPS, *DECLARATIONS, CLASS, *REFUSED))
 COMMANDS = frozenset(  # words whose rest of the line may be text, whatever sign it begins with
     [
         "addpath",
@@ -60,7 +60,7 @@ _TEXTS = {"'": re.compile(r"'((?:[^'\n]|'')*)'"), '"': re.compile(r'"((?:[^"\n]|
 _OPENING = {")": "(", "]": "[", "}": "{"}
 _COMMAND = re.compile(r"(?P<name>[A-Za-z]\w*)[ \t]+(?P<rest>[^\n=;,%(][^\n;,%]*)", re.ASCII)
 _OPTION = re.compile(r"-[A-Za-z]\w*[ \t]+\w")  # of a command; no expression goes on so
-_BLOCK = re.compile(r"[ \t]*(\([ \w,]*\))?[ \t]*(%[^\n]*)?\n")  # after ``arguments``
+_BLOCK = re.compile(r"[ \t]*(\([^()\n]*\))?[ \t]*(%[^\n]*)?\n")  # after ``arguments``
 _SHELL = re.compile(r"!(?P<rest>[^\n]*)")
 
 
@@ -100,7 +100,8 @@ class _Scanner:
         self._open: list[Token] = []  # brackets
         self._gap = False  # whether spaces came before the next token
         self._heads: set[int] = set()  # tokens that close the parameters of @(...)
-        self._declares = False  # inside an ``arguments`` block, which has no commands
+        self._declares = False  # inside a block of arguments or properties: it has no commands
+        self._in_class = False
 
     def scan(self) -> list[Token]:
         while self._at < len(self._text):
@@ -144,10 +145,12 @@ class _Scanner:
             self._line += 1
             return
         token = Token(kind, text, self._line)
-        if token[:2] == ("name", "arguments") and self._begins_statement():
+        blocks = ("arguments", "properties") if self._in_class else ("arguments",)
+        if kind == "name" and text in blocks and self._begins_statement():
             self._declares = bool(_BLOCK.match(self._text, self._at))
         elif kind == "keyword":
             self._declares = False
+            self._in_class |= text == CLASS
         self._found.append(token)
         if kind == "symbol":
             self._count(token)

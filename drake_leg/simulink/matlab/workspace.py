@@ -269,7 +269,12 @@ class Workspace:
 
     def _has(self, name: str, values: Mapping[str, Any]) -> bool:
         tables = (values, KNOWN, CONSTANTS, SPECIAL, METHODS, NOT_RUN)
-        return any(name in table for table in tables) or self._function(name, None) is not None
+        if any(name in table for table in tables):
+            return True
+        try:
+            return self._function(name, None) is not None
+        except LackError:  # a file that is not well formed, which is said where it is called
+            return True
 
     def load(self, path: Path) -> None:
         """Read the variables of a .mat file.

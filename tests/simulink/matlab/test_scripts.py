@@ -575,3 +575,42 @@ def test_a_word_with_an_option_is_a_command(line):
     workspace = Workspace()
     workspace.run(f"a = 1;\n{line}\nb = a -1;", name="s.m")
     assert workspace.variables["b"] == 0.0
+
+
+def test_an_object_of_a_class_of_properties_is_a_structure_of_them(tmp_path):
+    (tmp_path / "Leg.m").write_text("""\
+classdef Leg
+    % a leg, and its joints
+    properties (Access = public)
+        knee = Joint
+        x       {mustBeNumeric}  % [mm]
+        length (1,1) double = 2 * 3; % [mm]
+    end
+    properties
+        name
+    end
+end
+""")
+    (tmp_path / "Joint.m").write_text(
+        "classdef Joint\\n properties\\n  limit = [1 2]\\n end\\nend\\n"
+    )
+    script = "a = Leg; b = a; b.knee.limit(2) = 7; b.x = 2 * b.length;"
+    found = ran(script, near=[tmp_path]).variables
+    assert found["a"]["knee"]["limit"].tolist() == [[1.0, 2.0]]
+    assert found["b"]["knee"]["limit"].tolist() == [[1.0, 7.0]]
+    assert found["b"]["x"] == 12.0
+    assert list(found["a"]) == ["knee", "x", "length", "name"]
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("classdef C < handle\n properties\n  x\n end\nend", "that inherits"),
+        ("classdef C\n methods\n  function f(o), end\n end\nend", "with methods is not supported"),
+    ],
+)
+def test_other_classes_are_refused_where_they_are_used(text, why, tmp_path):
+    (tmp_path / "C.m").write_text(text)
+    with pytest.raises(UnknownValueError, match=why):
+        Workspace(near=[tmp_path]).evaluate("C().x + 1")
+    assert Workspace(near=[tmp_path]).missing(["C"], {}) == []
