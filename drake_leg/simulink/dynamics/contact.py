@@ -83,6 +83,7 @@ class Touch:
     speed: float = 0.0  # of the slip [m/s]
 
 
+NOWHERE = np.zeros((0, 3))
 Spot = tuple[int, Array, Array, float]  # the corner, the point, the normal, and how deep it is
 
 
@@ -175,9 +176,15 @@ class Contact:
         assert on.surface is not None
         assert of.corners is not None
         (R_WS, p_WS), (R_WC, p_WC) = moment.pose(on.place), moment.pose(of.place)
-        inward = -R_WS[:, 2] if on.surface.is_ground else p_WS - p_WC
-        points = of.corners.toward(R_WC.T @ inward)
-        seen: Array = points @ (R_WC.T @ R_WS) + (p_WC - p_WS) @ R_WS
+        R_CS, p_SC = R_WC.T @ R_WS, (p_WC - p_WS) @ R_WS
+        hubs = of.corners.hubs
+        if hubs is None:
+            points = of.corners.toward(NOWHERE)
+        elif on.surface.is_ground:
+            points = of.corners.toward(np.broadcast_to(-R_CS[:, 2], hubs.shape))
+        else:
+            points = of.corners.toward(-on.surface.signed(hubs @ R_CS + p_SC)[1] @ R_CS.T)
+        seen: Array = points @ R_CS + p_SC
         return seen
 
     def _between(self, moment: Moment, on: Side, of: Side, sign: float) -> list[Spot]:

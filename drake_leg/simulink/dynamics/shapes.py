@@ -65,8 +65,13 @@ class Corners(Protocol):
         """Return the radius of a ball around the origin that holds all of the shape [m]."""
         ...
 
-    def toward(self, direction: Array) -> Array:
-        """Return points (n, 3); ``direction`` is that of the other shape's inside."""
+    @property
+    def hubs(self) -> Array | None:
+        """Return the middles (k, 3) of its round parts, if it has any [m]."""
+        ...
+
+    def toward(self, directions: Array) -> Array:
+        """Return points (n, 3); ``directions`` (k, 3) are those of the other's inside at hubs."""
         ...
 
 
@@ -91,6 +96,7 @@ class Points:
 
     points: Array  # (n, 3) [m]
     radius: float = 0.0  # [m]
+    hubs: Array | None = None  # it has no round parts
 
     @cached_property
     def center(self) -> Array | None:
@@ -189,11 +195,16 @@ class Ball:
     def _is_sphere(self) -> bool:
         return bool((self.radii == self.radii[0]).all())
 
-    def toward(self, direction: Array) -> Array:
+    @cached_property
+    def hubs(self) -> Array | None:
+        """Return the center of what is no sphere."""
+        return None if self._is_sphere else np.zeros((1, 3))
+
+    def toward(self, directions: Array) -> Array:
         """Return the center of a sphere, or the point that is farthest in a direction."""
         if self._is_sphere:
             return np.zeros((1, 3))
-        scaled = self.radii * direction
+        scaled = self.radii * directions[0]
         return (self.radii * scaled / np.linalg.norm(scaled))[np.newaxis]
 
 
@@ -223,11 +234,15 @@ class Barrel:
         """Return the distance of a rim from the center [m]."""
         return math.hypot(self.rim, self.half)
 
-    def toward(self, direction: Array) -> Array:
+    @cached_property
+    def hubs(self) -> Array:
+        """Return the middles of its ends."""
+        return np.array([[0.0, 0.0, -self.half], [0.0, 0.0, self.half]])
+
+    def toward(self, directions: Array) -> Array:
         """Return four points of each rim."""
-        ring = _ring(self.rim, direction)
-        above = np.array([0.0, 0.0, self.half])
-        return np.vstack([ring - above, ring + above])
+        ends = zip(self.hubs, directions, strict=True)
+        return np.vstack([_ring(self.rim, direction) + hub for hub, direction in ends])
 
 
 def _ring(radius: float, direction: Array) -> Array:
@@ -252,9 +267,14 @@ class Rim:
         """Return the radius [m]."""
         return self.rim
 
-    def toward(self, direction: Array) -> Array:
+    @cached_property
+    def hubs(self) -> Array:
+        """Return its center."""
+        return np.zeros((1, 3))
+
+    def toward(self, directions: Array) -> Array:
         """Return four points of it."""
-        return _ring(self.rim, direction)
+        return _ring(self.rim, directions[0])
 
 
 class Hull:

@@ -172,7 +172,7 @@ def test_points_that_may_be_nearest_to_a_hull_are_found_by_its_planes(radius, mo
 
 def test_an_ellipsoid_and_a_hilly_ground_are_exact_to_first_order():
     ball = Ball(radii=np.array([0.1, 0.2, 0.4]))
-    at = ball.toward(np.array([1.0, 2.0, -1.0]))
+    at = ball.toward(np.array([[1.0, 2.0, -1.0]]))
     distance, normal = ball.signed(at)
     assert distance == pytest.approx(0.0, abs=1e-15)
     np.testing.assert_allclose(normal[0], np.array([1.0, 2.0, -1.0]) / math.sqrt(6.0))
@@ -185,15 +185,43 @@ def test_an_ellipsoid_and_a_hilly_ground_are_exact_to_first_order():
     assert distance[1] > 1e6
 
 
+@pytest.mark.parametrize("gap", [0.02, -0.01])
+@pytest.mark.parametrize(
+    ("solid", "texts"),
+    [
+        ("Cylindrical Solid", {"CylinderRadius": "0.2", "CylinderLength": "0.3"}),
+        ("Ellipsoidal Solid", {"EllipsoidRadii": "[0.2 0.1 0.15]"}),
+    ],
+)
+def test_a_wheel_beside_the_middle_of_a_wide_brick_touches_its_face(solid, texts, gap, tmp_path):
+    """Not on the way to the brick's center."""
+    built = MechanismBuilder()
+    place = {"Px": 0.05 + 0.2 + gap, "Py": 0.7, "Pz": -0.5}
+    targets = {f"{axis}PositionTargetSpecify": "on" for axis in place}
+    targets |= {f"{axis}PositionTargetValue": str(value) for axis, value in place.items()}
+    built.joint("6-DOF", "Free", **targets)
+    built.body(solid, "Wheel", ExportEntireGeometry="on", **texts)
+    built.body("Brick Solid", "Wall", BrickDimensions="[0.1 2 2]", ExportEntireGeometry="on")
+    built.add_library(FORCES + "Spatial Contact Force", "Contact", LAW)
+    built.meet("World", "Free lconn:1", "Wall")
+    built.meet("Free", "Wheel")
+    built.meet("Wall lconn:1", "Contact lconn:1")
+    built.meet("Wheel lconn:1", "Contact")
+    wired(built, "Contact", "rconn:2")
+    system = dynamics(built, tmp_path)
+    context = system.CreateDefaultContext()
+    assert sensed(system, context, built, "Contact rconn:2") == pytest.approx(gap, abs=1e-12)
+
+
 def test_corners_of_a_cylinder_are_its_deepest_points():
     barrel = Barrel(rim=0.2, half=0.3)
-    lying = barrel.toward(np.array([0.0, -1.0, 0.0]))
+    lying = barrel.toward(np.array([[0.0, -1.0, 0.0]] * 2))
     assert lying[:, 1].min() == pytest.approx(-0.2)
     assert (lying[:, 1] < -0.1).sum() == 2
-    rim = Rim(rim=0.2).toward(np.array([0.0, -1.0, 0.3]))
+    rim = Rim(rim=0.2).toward(np.array([[0.0, -1.0, 0.3]]))
     assert rim[:, 1].min() == pytest.approx(-0.2)
     assert not rim[:, 2].any()
-    standing = barrel.toward(np.array([0.0, 0.0, -1.0]))
+    standing = barrel.toward(np.array([[0.0, 0.0, -1.0]] * 2))
     assert (standing[:, 2] == -0.3).sum() == 4
 
 

@@ -591,9 +591,7 @@ classdef Leg
     end
 end
 """)
-    (tmp_path / "Joint.m").write_text(
-        "classdef Joint\n properties\n  limit = [1 2]\n end\nend\n"
-    )
+    (tmp_path / "Joint.m").write_text("classdef Joint\n properties\n  limit = [1 2]\n end\nend\n")
     script = "a = Leg; b = a; b.knee.limit(2) = 7; b.x = 2 * b.length;"
     found = ran(script, near=[tmp_path]).variables
     assert found["a"]["knee"]["limit"].tolist() == [[1.0, 2.0]]
