@@ -205,7 +205,8 @@ class Ball:
         if self._is_sphere:
             return np.zeros((1, 3))
         scaled = self.radii * directions[0]
-        return (self.radii * scaled / np.linalg.norm(scaled))[np.newaxis]
+        farthest: Array = self.radii * scaled / np.linalg.norm(scaled)
+        return farthest[np.newaxis]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
