@@ -15,7 +15,7 @@ from drake_leg.simulink.multibody.features import Feature
 from drake_leg.simulink.multibody.mass import MassProperties
 from drake_leg.simulink.multibody.step import ENDINGS as STEP_ENDINGS
 from drake_leg.simulink.multibody.step import properties_of_step, unit_of_step
-from drake_leg.simulink.multibody.step_places import kind_of, only_place, places_of
+from drake_leg.simulink.multibody.step_places import counted_place, kind_of, only_place, places_of
 from drake_leg.simulink.multibody.stl import is_closed, of_mesh, read_stl
 from drake_leg.simulink.placed_features import feature_key
 
@@ -96,17 +96,21 @@ class FileShape:
         Raises
         ------
         UnplacedFeatureError
-            If nobody has placed it, and it is not the only one of its kind.
+            If nobody has placed it, it is not the only one of its kind, and no face.
         """
         numbers = self.placed.get(feature_key(self.file, name))
         if numbers is not None:
             direction = np.array(numbers[3:])
             normal = direction / np.linalg.norm(direction) if len(direction) else None
             return Feature(center=np.array(numbers[:3]), normal=normal)
-        only = only_place(self.place, name) if self.place else None
-        if self.place is None or only is None:
-            raise UnplacedFeatureError(file=self.name, feature=name)
-        return Feature(center=self.scale(self.place) * only)
+        if self.place is not None:
+            scale = self.scale(self.place)
+            if (face := counted_place(self.place, name)) is not None:
+                outward = face.direction if kind_of(name) == "planar surface" else None
+                return Feature(center=scale * face.point, normal=outward)
+            if (only := only_place(self.place, name)) is not None:
+                return Feature(center=scale * only)
+        raise UnplacedFeatureError(file=self.name, feature=name)
 
     def candidates(self, feature: str, *, directed: bool) -> Iterator[str]:
         """Tell where a feature may lie, the likeliest place first, or what it takes to tell that.

@@ -52,8 +52,8 @@ def kind_of(feature: str) -> str:
 def places_of(path: Path, kind: str) -> tuple[Place, ...]:
     """List the places of all features of a kind in a STEP file, as it is read, in meters.
 
-    Nothing tells which number a CAD program gives to which feature. If each is as likely, those
-    places are the likeliest where most of them lie: they come first, then the largest.
+    Nothing tells which number an edge or a corner has. If each is as likely, those places are the
+    likeliest where most of them lie: they come first, then the largest.
 
     Raises
     ------
@@ -82,6 +82,31 @@ def only_place(path: Path, feature: str) -> Array | None:
     return middle
 
 
+def counted_place(path: Path, feature: str) -> Place | None:
+    """Return the place of a face by its number: it counts the faces of its kind in a STEP file.
+
+    They are counted from 1 in the order of the file, as models tell whose parts meet face to face.
+    None for edges and corners, where the file holds other than one solid, or without Open CASCADE.
+    """
+    kind, numbered = kind_of(feature), _NUMBER.search(feature)
+    if numbered is None:
+        return None
+    number = int(numbered[0])
+    if KINDS.get(kind, ("",))[0] != _FACE or path.suffix.lower() not in ENDINGS:
+        return None
+    try:
+        faces = _faces(path, changed_at(path), kind)
+    except InvalidValueError:
+        return None
+    return faces[number - 1] if 0 < number <= len(faces) else None
+
+
+@lru_cache(maxsize=256)
+def _faces(path: Path, changed: int, kind: str) -> tuple[Place, ...]:
+    shape = shape_of_step(path)
+    return tuple(_features(shape, kind)) if len([*_parts(shape, "TopAbs_SOLID")]) == 1 else ()
+
+
 @lru_cache(maxsize=256)
 def _places(path: Path, changed: int, kind: str) -> tuple[Place, ...]:
     found: dict[tuple[int, ...], Place] = {}
@@ -103,19 +128,23 @@ def _key(place: Place) -> tuple[int, ...]:
 
 
 def _features(shape: Any, kind: str) -> Iterator[Place]:  # noqa: ANN401 - of Open CASCADE
+    what, place_of = KINDS[kind]
+    places = map(place_of, _parts(shape, what))
+    return (place for place in places if place is not None)
+
+
+def _parts(shape: Any, what: str) -> Iterator[Any]:  # noqa: ANN401 - of Open CASCADE
     from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
     from OCP.TopExp import TopExp_Explorer
 
-    what, place_of = KINDS[kind]
     explorer = TopExp_Explorer(shape, getattr(TopAbs_ShapeEnum, what))
     seen: dict[int, list[Any]] = {}  # as an edge is met once for each of its faces
     while explorer.More():
-        feature = explorer.Current()
-        alike = seen.setdefault(hash(feature.Oriented(TopAbs_Orientation.TopAbs_FORWARD)), [])
-        if not any(map(feature.IsSame, alike)):
-            alike.append(feature)
-            if (place := place_of(feature)) is not None:
-                yield place
+        part = explorer.Current()
+        alike = seen.setdefault(hash(part.Oriented(TopAbs_Orientation.TopAbs_FORWARD)), [])
+        if not any(map(part.IsSame, alike)):
+            alike.append(part)
+            yield part
         explorer.Next()
 
 
@@ -247,11 +276,12 @@ def _one_way(direction: Array) -> Array:
     return direction if largest > 0.0 else -direction
 
 
+_FACE = "TopAbs_FACE"
 KINDS = {
-    "planar surface": ("TopAbs_FACE", _plane),
-    "cylindrical surface": ("TopAbs_FACE", _cylinder),
-    "spherical surface": ("TopAbs_FACE", _sphere),
-    "toroidal surface": ("TopAbs_FACE", _torus),
+    "planar surface": (_FACE, _plane),
+    "cylindrical surface": (_FACE, _cylinder),
+    "spherical surface": (_FACE, _sphere),
+    "toroidal surface": (_FACE, _torus),
     "circular curve": ("TopAbs_EDGE", _circle),
     "segment": ("TopAbs_EDGE", _segment),
     "point": ("TopAbs_VERTEX", _corner),

@@ -1,5 +1,7 @@
 """Where the features of a STEP file lie, against closed forms."""
 
+import re
+
 import numpy as np
 import pytest
 from cad_files import PART, frame, open_cascade, write
@@ -7,7 +9,7 @@ from mechanism_models import pendulum
 
 from drake_leg.cli.terminal import as_options
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.multibody.step_places import only_place, places_of
+from drake_leg.simulink.multibody.step_places import counted_place, only_place, places_of
 
 pytestmark = pytest.mark.slow
 
@@ -46,6 +48,68 @@ def test_planes_have_their_middles_and_outward_normals(plate):
     assert [place.count for place in places] == [1] * 6
     assert places[0].size[1] == pytest.approx(area - hole)
     assert places[0].described() == "area 3921 mm²"
+
+
+def planes_in(path):
+    """Points and normals (n, 6) of the flat faces of a shell, in the order of the text [m]."""
+    text = re.sub(r"\s+", "", path.read_text())
+    entries = dict(re.findall(r"#(\d+)=([A-Z_0-9]+\(.*?\));", text))
+
+    def parts(entry):
+        return re.findall(r"#(\d+)", entry)
+
+    (shell,) = (entry for entry in entries.values() if entry.startswith("CLOSED_SHELL"))
+    found = []
+    for face in parts(shell):
+        surface = entries[parts(entries[face])[-1]]
+        if surface.startswith("PLANE"):
+            numbers = [
+                [float(number) for number in re.findall(r"-?\d+\.\d*(?:E[+-]?\d+)?", entries[at])]
+                for at in parts(entries[parts(surface)[0]])[:2]
+            ]
+            found.append([*np.array(numbers[0]) / 1000.0, *numbers[1]])
+    return np.array(found)
+
+
+def test_the_number_of_a_face_counts_those_of_its_kind_in_the_file(plate, tmp_path):
+    planes = planes_in(plate)
+    assert len(planes) == 6
+    for number, plane in enumerate(planes, 1):
+        face = counted_place(plate, f"planar surface {number}")
+        assert abs((face.point - plane[:3]) @ plane[3:]) < 1e-12
+        assert abs(face.direction @ plane[3:]) == pytest.approx(1.0)
+    assert counted_place(plate, "planar surface 7") is None
+    assert counted_place(plate, "segment 1") is None
+    assert counted_place(plate, "top surface") is None
+    mechanism = on_a_pendulum("planar surface 2").mechanism(tmp_path)
+    ((name, point),) = mechanism.connections.only.items()
+    assert name == "Leg.STEP:planar surface 2"
+    np.testing.assert_allclose(point, counted_place(plate, "planar surface 2").point)
+    along = on_a_pendulum("planar surface 2", "planar surface 3").mechanism(tmp_path)
+    solids = along.bodies[1].solids
+    X_BR = next(X for solid, X in solids if solid.block.name == "A")
+    outward = X_BR[:3, :3] @ counted_place(plate, "planar surface 3").direction
+    np.testing.assert_allclose(outward, [0.0, 0.0, 1.0], atol=1e-12)
+
+
+def on_a_pendulum(origin, primary=None):
+    built = pendulum()
+    built.body("File Solid", "A", SerializedFrames=frame(origin, primary), **PART)
+    built.meet("Down", "A lconn:1")
+    return built
+
+
+def test_faces_of_several_solids_are_not_counted(tmp_path):
+    open_cascade()
+    from OCP.BRep import BRep_Builder
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+    from OCP.TopoDS import TopoDS_Compound
+
+    both, builder = TopoDS_Compound(), BRep_Builder()
+    builder.MakeCompound(both)
+    for length in (10.0, 20.0):
+        builder.Add(both, BRepPrimAPI_MakeBox(length, length, length).Shape())
+    assert counted_place(write(tmp_path / "two.step", both), "planar surface 1") is None
 
 
 @pytest.mark.parametrize(
@@ -109,10 +173,10 @@ def refusal(built, tmp_path):
 
 
 def test_an_error_lists_the_places_as_the_option_takes_them(plate, tmp_path):
-    built = model(tmp_path, "planar surface 3")
+    built = model(tmp_path, "planar surface 9")
     _, *lines = refusal(built, tmp_path)
     assert len(lines) == 6
-    assert "place 'Leg.STEP:planar surface 3' at 0,0.02,0.01,-1,0,0 (1 of 6, area 800 mm²)" in lines
+    assert "place 'Leg.STEP:planar surface 9' at 0,0.02,0.01,-1,0,0 (1 of 6, area 800 mm²)" in lines
     option = next(as_options(line) for line in lines if ",0,1 (" in line)
     name, numbers = option.removeprefix("--feature ").split("'")[1].split("=")
     assert option.endswith("'  # 1 of 6, area 3921 mm²")
@@ -121,8 +185,11 @@ def test_an_error_lists_the_places_as_the_option_takes_them(plate, tmp_path):
 
 
 def test_the_unit_of_the_solid_counts(plate, tmp_path):
-    built = model(tmp_path, "planar surface 3", UnitType="Custom", ExtGeomFileUnits="in")
+    built = model(tmp_path, "planar surface 9", UnitType="Custom", ExtGeomFileUnits="in")
     assert any("at 0,0.508,0.254,-1,0,0" in line for line in refusal(built, tmp_path))
+    built = model(tmp_path, "planar surface 2", UnitType="Custom", ExtGeomFileUnits="in")
+    (point,) = built.mechanism(tmp_path).connections.only.values()
+    np.testing.assert_allclose(point, 25.4 * counted_place(plate, "planar surface 2").point)
 
 
 def test_places_of_a_file_of_a_cad_program_come_from_a_step_file_of_its_name(plate, tmp_path):
@@ -147,5 +214,5 @@ def test_a_damaged_file_lists_nothing(tmp_path):
 
 def test_what_does_not_fit_a_screen_is_counted(plate, tmp_path, monkeypatch):
     monkeypatch.setattr("drake_leg.simulink.multibody.unplaced.LINES", 4)
-    *_, last = refusal(model(tmp_path, "planar surface 3"), tmp_path)
+    *_, last = refusal(model(tmp_path, "planar surface 9"), tmp_path)
     assert last == f"and 2 more places: `drake-leg inspect {plate}` lists all"
