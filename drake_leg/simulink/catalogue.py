@@ -501,8 +501,8 @@ DashboardScope DataTypeConversion DataTypeDuplicate DataTypePropagation DigitalC
 DisplayBlock DotProduct EditField EnablePort Find FirstOrderHold FloatingScope ForEach
 ForIterator FunctionCallGenerator FunctionCallSplit GaugeBlock Ground IC If InitialCondition
 Inspector Interpolation_n-D KnobBlock LampBlock LinearGaugeBlock Lookup Lookup2D Lookup_n-D
-LookupNDDirect MagnitudeAngleToComplex PermuteDimensions Polyval PreLookup Probe PushButtonBlock
-Queue RateTransition RealImagToComplex Record ResetPort Reshape RockerSwitchBlock
+LookupNDDirect MagnitudeAngleToComplex ObserverReference PermuteDimensions Polyval PreLookup
+Probe PushButtonBlock Queue RateTransition RealImagToComplex Record ResetPort Reshape RockerSwitchBlock
 RotarySwitchBlock S-Function SemiCircularGaugeBlock
 SignalConversion SignalSpecification SignalViewerScope Signum
 SliderBlock SliderSwitchBlock Squeeze Stop SwitchCase Terminator TimeScope TmpDummySource

@@ -595,3 +595,11 @@ def test_an_observer_has_as_many_states_as_its_matrices_fit(tmp_path):
     rest = -np.linalg.solve(M, [4.0, 5.0])
     exact = [rest + expm(M * t) @ (np.full(2, 0.25) - rest) for t in run.time]
     np.testing.assert_allclose(shown(run, "x"), exact, atol=1e-8)
+
+
+def test_an_observer_changes_nothing(tmp_path):
+    rig = Rig()
+    rig.show(rig.block("Integrator", "sum", rig.block("Clock", "t")), "y")
+    rig.block("ObserverReference", "Observer")
+    run = rig.run(tmp_path)
+    np.testing.assert_allclose(shown(run, "y"), run.time**2 / 2.0, atol=1e-9)

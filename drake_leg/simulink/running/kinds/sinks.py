@@ -95,6 +95,11 @@ def on_a_dashboard(_: Writer) -> None:
     """Do nothing: what it sets has the value of the file."""
 
 
+@kind("ObserverReference", sample_time="")
+def observer(_: Writer) -> None:
+    """Do nothing: the model in it watches this one, and changes nothing."""
+
+
 @kind("Stop", sample_time="")
 def stop(w: Writer) -> None:
     """End the run when a signal is not zero."""
