@@ -502,8 +502,8 @@ DisplayBlock DotProduct EditField EnablePort Find FirstOrderHold FloatingScope F
 ForIterator FunctionCallGenerator FunctionCallSplit GaugeBlock Ground IC If InitialCondition
 Inspector Interpolation_n-D KnobBlock LampBlock LinearGaugeBlock Lookup Lookup2D Lookup_n-D
 LookupNDDirect MagnitudeAngleToComplex ObserverReference PermuteDimensions Polyval PreLookup
-Probe PushButtonBlock Queue RateTransition RealImagToComplex Record ResetPort Reshape RockerSwitchBlock
-RotarySwitchBlock S-Function SemiCircularGaugeBlock
+Probe PushButtonBlock Queue RateTransition RealImagToComplex Record ResetPort Reshape
+RockerSwitchBlock RotarySwitchBlock S-Function SemiCircularGaugeBlock
 SignalConversion SignalSpecification SignalViewerScope Signum
 SliderBlock SliderSwitchBlock Squeeze Stop SwitchCase Terminator TimeScope TmpDummySource
 ToggleSwitchBlock TriggerPort TwoWayConnection UnaryMinus VariableTimeDelay WhileIterator Width
