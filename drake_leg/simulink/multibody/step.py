@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from drake_leg.errors import InvalidValueError
-from drake_leg.simulink.multibody.mass import MassProperties, composed
+from drake_leg.simulink.multibody.mass import Array, MassProperties, composed
 
 ENDINGS = (".step", ".stp")
+_SHELLS = ("StepShape_ClosedShell", "StepShape_OpenShell", "StepShape_ConnectedFaceSet")
 MOST_BYTES = 200_000_000
 ACCURACY = 1e-12  # of the volume, to which the integrals are refined
 _METERS = {"INCH": 0.0254, "FOOT": 0.3048}
@@ -60,6 +61,42 @@ def properties_of_step(path: Path) -> MassProperties:
         If it cannot be read, or holds no closed solid.
     """
     return _read(path, changed_at(path))
+
+
+def surfaces_of_step(path: Path, kind: str) -> list[tuple[Array, Array]]:
+    """List the surfaces of a kind under the faces of shells, in the order of a STEP file.
+
+    Each has an origin [m] and an axis: ``StepGeom_Plane``, its normal.
+
+    Raises
+    ------
+    InvalidValueError
+        If its own unit is not known.
+    """
+    from OCP.STEPControl import STEPControl_Reader
+
+    reader, unit = STEPControl_Reader(), unit_of_step(path)
+    reader.ReadFile(str(path))
+    model, found = reader.StepModel(), []
+    for number in range(1, model.NbEntities() + 1):
+        shell = model.Value(number)
+        if shell.DynamicType().Name() in _SHELLS:
+            faces = (shell.CfsFacesValue(at) for at in range(1, shell.NbCfsFaces() + 1))
+            surfaces = (getattr(face, "FaceGeometry", lambda: None)() for face in faces)
+            found += [
+                _origin_and_axis(surface.Position(), unit)
+                for surface in surfaces
+                if surface is not None and surface.DynamicType().Name() == kind
+            ]
+    return found
+
+
+def _origin_and_axis(placement: Any, unit: float) -> tuple[Array, Array]:  # noqa: ANN401
+    point, axis = placement.Location(), np.array([0.0, 0.0, 1.0])
+    if placement.HasAxis():
+        axis = np.array([placement.Axis().DirectionRatiosValue(k) for k in (1, 2, 3)])
+    origin = np.array([point.CoordinatesValue(k) for k in (1, 2, 3)])
+    return unit * origin, axis / np.linalg.norm(axis)
 
 
 @lru_cache(maxsize=128)

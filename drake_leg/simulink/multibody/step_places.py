@@ -13,10 +13,11 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.multibody.mass import Array
-from drake_leg.simulink.multibody.step import ENDINGS, changed_at, shape_of_step
+from drake_leg.simulink.multibody.step import ENDINGS, changed_at, shape_of_step, surfaces_of_step
 from drake_leg.units import plain_number
 
 SAME = 1e-9  # [m], of points that are one, and the same of directions
+SAME_SURFACE, SAME_AXIS = 1e-7, 1e-6  # [m], and of directions: as exact as files are
 _NUMBER = re.compile(r" \d+$")
 
 
@@ -89,11 +90,9 @@ def counted_place(path: Path, feature: str) -> Place | None:
     None for edges and corners, where the file holds other than one solid, or without Open CASCADE.
     """
     kind, numbered = kind_of(feature), _NUMBER.search(feature)
-    if numbered is None:
+    if numbered is None or kind not in _SURFACES or path.suffix.lower() not in ENDINGS:
         return None
     number = int(numbered[0])
-    if KINDS.get(kind, ("",))[0] != _FACE or path.suffix.lower() not in ENDINGS:
-        return None
     try:
         faces = _faces(path, changed_at(path), kind)
     except InvalidValueError:
@@ -102,9 +101,34 @@ def counted_place(path: Path, feature: str) -> Place | None:
 
 
 @lru_cache(maxsize=256)
-def _faces(path: Path, changed: int, kind: str) -> tuple[Place, ...]:
+def _faces(path: Path, changed: int, kind: str) -> tuple[Place | None, ...]:
+    """List the faces of a kind in the order of the file, which Open CASCADE may have changed.
+
+    None stands for those that are not told from others at other places on the same surface.
+    """
     shape = shape_of_step(path)
-    return tuple(_features(shape, kind)) if len([*_parts(shape, "TopAbs_SOLID")]) == 1 else ()
+    if len([*_parts(shape, "TopAbs_SOLID")]) != 1:
+        return ()
+    faces = [*_features(shape, kind)]
+    surfaces = surfaces_of_step(path, _SURFACES[kind])
+    pairs = zip(faces, surfaces, strict=False)
+    if len(faces) == len(surfaces) and all(_is_on(*pair, kind) for pair in pairs):
+        return tuple(faces)
+    found = ([face for face in faces if _is_on(face, each, kind)] for each in surfaces)
+    return tuple(each[0] if len({*map(_key, each)}) == 1 else None for each in found)
+
+
+def _is_on(face: Place, surface: tuple[Array, Array], kind: str) -> bool:
+    """Tell whether the middle of a face is on a surface with an origin and an axis, or around."""
+    origin, axis = surface
+    apart, along = face.point - origin, face.direction
+    if along is not None and np.linalg.norm(np.cross(along, axis)) > SAME_AXIS:
+        return False
+    if kind == "planar surface":
+        apart = (apart @ axis) * axis
+    elif kind == "cylindrical surface":
+        apart = apart - (apart @ axis) * axis
+    return bool(np.linalg.norm(apart) < SAME_SURFACE)
 
 
 @lru_cache(maxsize=256)
@@ -277,6 +301,12 @@ def _one_way(direction: Array) -> Array:
 
 
 _FACE = "TopAbs_FACE"
+_SURFACES = {
+    "planar surface": "StepGeom_Plane",
+    "cylindrical surface": "StepGeom_CylindricalSurface",
+    "spherical surface": "StepGeom_SphericalSurface",
+    "toroidal surface": "StepGeom_ToroidalSurface",
+}
 KINDS = {
     "planar surface": (_FACE, _plane),
     "cylindrical surface": (_FACE, _cylinder),

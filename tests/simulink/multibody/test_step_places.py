@@ -9,6 +9,7 @@ from mechanism_models import pendulum
 
 from drake_leg.cli.terminal import as_options
 from drake_leg.errors import InvalidValueError
+from drake_leg.simulink.multibody import step_places
 from drake_leg.simulink.multibody.step_places import counted_place, only_place, places_of
 
 pytestmark = pytest.mark.slow
@@ -90,6 +91,36 @@ def test_the_number_of_a_face_counts_those_of_its_kind_in_the_file(plate, tmp_pa
     X_BR = next(X for solid, X in solids if solid.block.name == "A")
     outward = X_BR[:3, :3] @ counted_place(plate, "planar surface 3").direction
     np.testing.assert_allclose(outward, [0.0, 0.0, 1.0], atol=1e-12)
+
+
+def test_the_order_is_that_of_the_file_and_not_of_what_is_read(plate, monkeypatch):
+    """As where a shell is mended."""
+    read = step_places._features
+    monkeypatch.setattr(step_places, "_features", lambda *given: reversed([*read(*given)]))
+    step_places._faces.cache_clear()
+    for number, plane in enumerate(planes_in(plate), 1):
+        face = counted_place(plate, f"planar surface {number}")
+        assert abs((face.point - plane[:3]) @ plane[3:]) < 1e-12
+        assert abs(face.direction @ plane[3:]) == pytest.approx(1.0)
+    step_places._faces.cache_clear()
+
+
+def test_faces_on_one_plane_are_not_told_apart_without_their_order(tmp_path, monkeypatch):
+    open_cascade()
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+    from OCP.gp import gp_Pnt
+
+    groove = BRepPrimAPI_MakeBox(gp_Pnt(40.0, 0.0, 10.0), gp_Pnt(60.0, 40.0, 20.0)).Shape()
+    shape = BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(100.0, 40.0, 20.0).Shape(), groove).Shape()
+    path = write(tmp_path / "groove.step", shape)
+    names = [f"planar surface {number}" for number in range(1, 11)]
+    assert all(counted_place(path, name) for name in names)
+    read = step_places._features
+    monkeypatch.setattr(step_places, "_features", lambda *given: reversed([*read(*given)]))
+    step_places._faces.cache_clear()
+    assert sum(counted_place(path, name) is None for name in names) == 2
+    step_places._faces.cache_clear()
 
 
 def on_a_pendulum(origin, primary=None):
