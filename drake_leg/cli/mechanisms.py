@@ -158,8 +158,8 @@ def found_alone(only: Mapping[str, Array]) -> Iterator[str]:
             for name, point in only.items()
         )
         yield (
-            "found as the only ones of their kinds, or as faces by their numbers, though another "
-            "point may be meant: "
+            "found as the only ones of their kinds, or by their numbers, though another point "
+            "may be meant: "
             f"{some_of(list(places), SHOWN)}; --feature places them"
         )
 

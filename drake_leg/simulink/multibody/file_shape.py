@@ -96,7 +96,7 @@ class FileShape:
         Raises
         ------
         UnplacedFeatureError
-            If nobody has placed it, it is not the only one of its kind, and no face.
+            If nobody has placed it, it is not the only one of its kind, and no face or circle.
         """
         numbers = self.placed.get(feature_key(self.file, name))
         if numbers is not None:

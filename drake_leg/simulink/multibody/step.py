@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -73,22 +74,54 @@ def surfaces_of_step(path: Path, kind: str) -> list[tuple[Array, Array]]:
     InvalidValueError
         If its own unit is not known.
     """
+    unit = unit_of_step(path)
+    surfaces = (face.FaceGeometry() for face in _faces_in(path))
+    return [
+        _origin_and_axis(surface.Position(), unit)
+        for surface in surfaces
+        if surface.DynamicType().Name() == kind
+    ]
+
+
+def circles_of_step(path: Path) -> list[Array]:
+    """List the centers of circles around the faces of shells, in the order of a STEP file [m].
+
+    A circle between two faces is there twice, as it bounds both.
+
+    Raises
+    ------
+    InvalidValueError
+        If its own unit is not known.
+    """
+    unit, found = unit_of_step(path), []
+    for curve in (curve for face in _faces_in(path) for curve in _curves_around(face)):
+        if curve.DynamicType().Name() == "StepGeom_Circle":
+            found.append(_origin_and_axis(curve.Position().Axis2Placement3d(), unit)[0])
+    return found
+
+
+def _faces_in(path: Path) -> Iterator[Any]:
     from OCP.STEPControl import STEPControl_Reader
 
-    reader, unit = STEPControl_Reader(), unit_of_step(path)
+    reader = STEPControl_Reader()
     reader.ReadFile(str(path))
-    model, found = reader.StepModel(), []
+    model = reader.StepModel()
     for number in range(1, model.NbEntities() + 1):
         shell = model.Value(number)
         if shell.DynamicType().Name() in _SHELLS:
             faces = (shell.CfsFacesValue(at) for at in range(1, shell.NbCfsFaces() + 1))
-            surfaces = (getattr(face, "FaceGeometry", lambda: None)() for face in faces)
-            found += [
-                _origin_and_axis(surface.Position(), unit)
-                for surface in surfaces
-                if surface is not None and surface.DynamicType().Name() == kind
-            ]
-    return found
+            yield from (face for face in faces if hasattr(face, "FaceGeometry"))
+
+
+def _curves_around(face: Any) -> Iterator[Any]:  # noqa: ANN401 - of Open CASCADE
+    for number in range(1, face.NbBounds() + 1):
+        loop = face.BoundsValue(number).Bound()
+        if loop.DynamicType().Name() == "StepShape_EdgeLoop":
+            for at in range(1, loop.NbEdgeList() + 1):
+                curve = loop.EdgeListValue(at).EdgeElement().EdgeGeometry()
+                while hasattr(curve, "Curve3d"):
+                    curve = curve.Curve3d()
+                yield curve
 
 
 def _origin_and_axis(placement: Any, unit: float) -> tuple[Array, Array]:  # noqa: ANN401

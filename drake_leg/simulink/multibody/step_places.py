@@ -13,7 +13,13 @@ import numpy as np
 
 from drake_leg.errors import InvalidValueError
 from drake_leg.simulink.multibody.mass import Array
-from drake_leg.simulink.multibody.step import ENDINGS, changed_at, shape_of_step, surfaces_of_step
+from drake_leg.simulink.multibody.step import (
+    ENDINGS,
+    changed_at,
+    circles_of_step,
+    shape_of_step,
+    surfaces_of_step,
+)
 from drake_leg.units import plain_number
 
 SAME = 1e-9  # [m], of points that are one, and the same of directions
@@ -84,20 +90,36 @@ def only_place(path: Path, feature: str) -> Array | None:
 
 
 def counted_place(path: Path, feature: str) -> Place | None:
-    """Return the place of a face by its number: it counts the faces of its kind in a STEP file.
+    """Return the place of a face or a circle by its number in a STEP file of one solid.
 
-    They are counted from 1 in the order of the file, as models tell whose parts meet face to face.
-    None for edges and corners, where the file holds other than one solid, or without Open CASCADE.
+    Faces of a kind are counted from 1 in the order of the file, and circles once for each face
+    around which they are, as models tell whose parts meet. None for other edges and corners, where
+    the file holds other than one solid, or without Open CASCADE.
     """
     kind, numbered = kind_of(feature), _NUMBER.search(feature)
-    if numbered is None or kind not in _SURFACES or path.suffix.lower() not in ENDINGS:
+    counted = _circles if kind == CIRCLE else _faces if kind in _SURFACES else None
+    if numbered is None or counted is None or path.suffix.lower() not in ENDINGS:
         return None
     number = int(numbered[0])
     try:
-        faces = _faces(path, changed_at(path), kind)
+        places = counted(path, changed_at(path), kind)
     except InvalidValueError:
         return None
-    return faces[number - 1] if 0 < number <= len(faces) else None
+    return places[number - 1] if 0 < number <= len(places) else None
+
+
+@lru_cache(maxsize=256)
+def _circles(path: Path, changed: int, kind: str) -> tuple[Place | None, ...]:
+    """List the circles around faces, in the order of the file; None where the shape has no such."""
+    shape = shape_of_step(path)
+    if len([*_parts(shape, "TopAbs_SOLID")]) != 1:
+        return ()
+    circles = [*_features(shape, kind)]
+    found = (
+        [each for each in circles if np.linalg.norm(each.point - center) < SAME_SURFACE]
+        for center in circles_of_step(path)
+    )
+    return tuple(each[0] if each else None for each in found)
 
 
 @lru_cache(maxsize=256)
@@ -300,7 +322,7 @@ def _one_way(direction: Array) -> Array:
     return direction if largest > 0.0 else -direction
 
 
-_FACE = "TopAbs_FACE"
+_FACE, CIRCLE = "TopAbs_FACE", "circular curve"
 _SURFACES = {
     "planar surface": "StepGeom_Plane",
     "cylindrical surface": "StepGeom_CylindricalSurface",
@@ -312,8 +334,8 @@ KINDS = {
     "cylindrical surface": (_FACE, _cylinder),
     "spherical surface": (_FACE, _sphere),
     "toroidal surface": (_FACE, _torus),
-    "circular curve": ("TopAbs_EDGE", _circle),
+    CIRCLE: ("TopAbs_EDGE", _circle),
     "segment": ("TopAbs_EDGE", _segment),
     "point": ("TopAbs_VERTEX", _corner),
 }
-_ROUND = ("circular curve", "spherical surface", "cylindrical surface")
+_ROUND = (CIRCLE, "spherical surface", "cylindrical surface")

@@ -51,25 +51,58 @@ def test_planes_have_their_middles_and_outward_normals(plate):
     assert places[0].described() == "area 3921 mm²"
 
 
-def planes_in(path):
-    """Points and normals (n, 6) of the flat faces of a shell, in the order of the text [m]."""
+def parts(entry):
+    """Numbers of the entries that an entry of a STEP file names."""
+    return re.findall(r"#(\d+)", entry)
+
+
+def shell_in(path):
+    """Entries of a STEP file by their numbers, and those of the faces of its only shell."""
     text = re.sub(r"\s+", "", path.read_text())
     entries = dict(re.findall(r"#(\d+)=([A-Z_0-9]+\(.*?\));", text))
-
-    def parts(entry):
-        return re.findall(r"#(\d+)", entry)
-
     (shell,) = (entry for entry in entries.values() if entry.startswith("CLOSED_SHELL"))
+    return entries, parts(shell)
+
+
+def numbers_in(entry):
+    return [float(number) for number in re.findall(r"-?\d+\.\d*(?:E[+-]?\d+)?", entry)]
+
+
+def planes_in(path):
+    """Points and normals (n, 6) of the flat faces of a shell, in the order of the text [m]."""
+    entries, faces = shell_in(path)
     found = []
-    for face in parts(shell):
+    for face in faces:
         surface = entries[parts(entries[face])[-1]]
         if surface.startswith("PLANE"):
-            numbers = [
-                [float(number) for number in re.findall(r"-?\d+\.\d*(?:E[+-]?\d+)?", entries[at])]
-                for at in parts(entries[parts(surface)[0]])[:2]
-            ]
-            found.append([*np.array(numbers[0]) / 1000.0, *numbers[1]])
+            point, normal = (
+                numbers_in(entries[at]) for at in parts(entries[parts(surface)[0]])[:2]
+            )
+            found.append([*np.array(point) / 1000.0, *normal])
     return np.array(found)
+
+
+def circles_in(path):
+    """Centers (n, 3) of the circles around each face of a shell, in the order of the text [m]."""
+    entries, faces = shell_in(path)
+    found = []
+    for face in faces:
+        for bound in parts(entries[face])[:-1]:
+            for edge in parts(entries[parts(entries[bound])[0]]):
+                curve = entries[parts(entries[parts(entries[edge])[-1]])[2]]
+                while not curve.startswith(("CIRCLE", "LINE")):
+                    curve = entries[parts(curve)[0]]
+                if curve.startswith("CIRCLE"):
+                    found.append(numbers_in(entries[parts(entries[parts(curve)[0]])[0]]))
+    return np.array(found) / 1000.0
+
+
+def test_the_number_of_a_circle_counts_those_around_each_face(plate):
+    circles = circles_in(plate)
+    assert sorted(circles[:, 2]) == [0.0, 0.0, 0.02, 0.02]
+    found = [counted_place(plate, f"circular curve {number}").point for number in range(1, 5)]
+    np.testing.assert_allclose(found, circles, atol=1e-12)
+    assert counted_place(plate, "circular curve 5") is None
 
 
 def test_the_number_of_a_face_counts_those_of_its_kind_in_the_file(plate, tmp_path):
