@@ -496,7 +496,8 @@ BUILT_IN: dict[str, Parameters] = {
 
 _NAMES = """
 Abs ActionPort ArithShift Assertion Assignment BitwiseOperator BusAssignment BusToVector Clock
-CombinatorialLogic ComplexToImag ConnectionLabel CustomGaugeBlock DiscreteZeroPole
+CombinatorialLogic ComplexToImag ConnectionLabel CallbackButton
+CustomCallbackButton CustomGaugeBlock DiscreteZeroPole
 DashboardScope DataTypeConversion DataTypeDuplicate DataTypePropagation DigitalClock Display
 DisplayBlock DotProduct EditField EnablePort Find FirstOrderHold FloatingScope ForEach
 ForIterator FunctionCallGenerator FunctionCallSplit GaugeBlock Ground IC If InitialCondition

@@ -13,6 +13,7 @@ from drake_leg.simulink.matlab.transfers import transfer_of
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind, no_inputs
 from drake_leg.simulink.running.kinds.discontinuities import limit_code
+from drake_leg.simulink.running.kinds.quantities import in_si, require
 from drake_leg.simulink.running.network import Node
 from drake_leg.simulink.running.settings import Settings, Signal, shape_of, zero_like
 
@@ -127,8 +128,7 @@ def second_order(w: Writer) -> None:
       continuous=True, sample_time="")  # fmt: skip
 def ps_integrator(w: Writer) -> None:
     """Integrate a physical signal."""
-    from drake_leg.simulink.running.kinds.sources import in_si
-
+    require(w, reset_method="None", initial_condition_spec="Internal", saturation_spec="None")
     w.put(
         w.state(in_si(w, "x0", "0") if w.settings.has("x0") else in_si(w, "initial_condition", "0"))
     )
@@ -142,14 +142,7 @@ def _lag_after(w: Writer) -> None:
 @kind("PS Transfer Function", finish=_lag_after, direct=no_inputs, continuous=True, sample_time="")
 def ps_lag(w: Writer) -> None:
     """Lag behind a physical signal with a time constant, from a given output."""
-    from drake_leg.simulink.running.kinds.sources import in_si
-
-    usual = {"transfer_function_type": "lag", "reset_method": "None",
-             "initial_condition_spec": "Internal"}  # fmt: skip
-    for name, value in usual.items():
-        given = w.settings.text(name, value).rpartition(".")[2]
-        if given.lower() != value.lower():
-            raise w.fault(f"has {name} {given!r}, which does not run: choose {value!r}")
+    require(w, transfer_function_type="lag", reset_method="None", initial_condition_spec="Internal")
     w.kept["constant"] = constant = float(in_si(w, "T", "0.01"))
     if not constant > 0.0:
         raise w.fault(f"has the time constant {constant:g} s; it must be positive")

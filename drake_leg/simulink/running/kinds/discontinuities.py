@@ -7,6 +7,7 @@ import numpy as np
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.options import sample_time
+from drake_leg.simulink.running.kinds.quantities import in_si
 from drake_leg.simulink.running.settings import Settings, Signal, zero_like
 
 
@@ -28,7 +29,7 @@ def saturation(w: Writer) -> None:
     names = ("LowerLimit", "UpperLimit")
     if w.node.block.kind.startswith("PS"):
         names = ("lower_limit", "upper_limit")
-    lower, upper = (w.settings.array(n, d) for n, d in zip(names, ("-0.5", "0.5"), strict=True))
+    lower, upper = (in_si(w, n, d) for n, d in zip(names, ("-0.5", "0.5"), strict=True))
     u, (low, high) = _with(w, w.numeric(), lower, upper)
     w.out(limit_code(u, low, high))
 
@@ -52,7 +53,7 @@ def dead_zone(w: Writer) -> None:
     """Put out how far a signal is outside of a zone."""
     get = w.settings.array
     if w.node.block.kind.startswith("PS"):
-        lower, upper = get("lower_limit", "-0.5"), get("upper_limit", "0.5")
+        lower, upper = in_si(w, "lower_limit", "-0.5"), in_si(w, "upper_limit", "0.5")
     else:
         lower, upper = get("LowerValue", "-0.5"), get("UpperValue", "0.5")
     u, (low, high) = _with(w, w.numeric(), lower, upper)

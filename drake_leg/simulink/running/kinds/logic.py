@@ -7,6 +7,7 @@ import numpy as np
 from drake_leg.simulink.matlab.data import Cell, numbers_of
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.kinds.quantities import in_si
 from drake_leg.simulink.running.settings import zero_like
 
 _RELATIONS = {"==": "==", "~=": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
@@ -102,7 +103,7 @@ def switch(w: Writer) -> None:
 @kind("PS Switch")
 def ps_switch(w: Writer) -> None:
     """Pass on the first input where the second is at least a threshold, else the third."""
-    limit = w.settings.number("Threshold", "0.5")
+    limit = float(in_si(w, "Threshold", "0.5"))
     choose(w, f"{w.input(1).code} >= {literal(limit)}", w.input(0), w.input(2), vector=False)
 
 

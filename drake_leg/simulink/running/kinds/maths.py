@@ -8,6 +8,7 @@ import numpy as np
 
 from drake_leg.simulink.running.code import Operand, Writer, literal
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.kinds.quantities import in_si
 from drake_leg.simulink.running.settings import as_signal
 
 _SIGNS = re.compile(r"[+\-*/]")
@@ -18,8 +19,6 @@ def gain(w: Writer) -> None:
     """Multiply by a constant."""
     u = w.numeric()
     if w.node.block.kind == "PS Gain":
-        from drake_leg.simulink.running.kinds.sources import in_si
-
         factor = in_si(w, "gain", "1")
         scaled(w, u, w.constant(factor))
         return

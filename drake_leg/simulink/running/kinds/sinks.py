@@ -89,7 +89,8 @@ def unchecked(w: Writer) -> None:
 
 
 @kind("LinearGaugeBlock", "SemiCircularGaugeBlock", "GaugeBlock", "CustomGaugeBlock", "LampBlock",
-      "SliderBlock", "KnobBlock", "EditField", "PushButtonBlock", "RockerSwitchBlock",
+      "SliderBlock", "KnobBlock", "EditField", "CallbackButton", "CustomCallbackButton",
+      "PushButtonBlock", "RockerSwitchBlock",
       "RotarySwitchBlock", "SliderSwitchBlock", "ToggleSwitchBlock", sample_time="")  # fmt: skip
 def on_a_dashboard(_: Writer) -> None:
     """Do nothing: what it sets has the value of the file."""

@@ -12,6 +12,7 @@ from drake_leg.simulink.running.code import Writer, literal
 from drake_leg.simulink.running.kinds import kind
 from drake_leg.simulink.running.kinds.iterators import entered
 from drake_leg.simulink.running.kinds.options import sample_time
+from drake_leg.simulink.running.kinds.quantities import in_si
 from drake_leg.simulink.running.kinds.routing import of_bus
 from drake_leg.simulink.running.settings import Settings, Signal, as_signal
 from drake_leg.simulink.wiring import is_of_bus
@@ -94,12 +95,15 @@ def _plus(w: Writer, value: Signal) -> str:
 @kind("Step", "PS Step")
 def step(w: Writer) -> None:
     """Step from one value to another."""
+    names = ("Time", "Before", "After")
     if w.node.block.kind == "PS Step":
         names = ("time", "initial", "final")
-    else:
-        names = ("Time", "Before", "After")
+        if not w.settings.has("time"):
+            names = ("step_time", "initial_output", "final_output")
+        if not w.settings.has(names[0]):
+            raise w.fault("does not say in the file when it steps: replace it")
     time, before, after = alike(
-        *(w.settings.array(name, default) for name, default in zip(names, "101", strict=True))
+        *(in_si(w, name, default) for name, default in zip(names, "101", strict=True))
     )
     if isinstance(time, np.ndarray):
         w.pen.breaks |= set(time.tolist())
@@ -117,7 +121,7 @@ def ramp(w: Writer) -> None:
     if w.node.block.kind == "PS Ramp":
         names = ("slope", "start_time", "initial_output")
     slope, start, initial = alike(
-        *(w.settings.array(name, default) for name, default in zip(names, "100", strict=True))
+        *(in_si(w, name, default) for name, default in zip(names, "100", strict=True))
     )
     if isinstance(slope, np.ndarray):
         rise = f"np.maximum(t - {w.constant(start)}, 0.0)"
@@ -137,20 +141,6 @@ def ps_constant(w: Writer) -> None:
     made = w.out(w.constant(in_si(w, "constant", "0")))
     zero = "0.0" if made.is_scalar else f"zeros({made.shape})"
     w.pen.dots[w.node.outputs[0]] = (zero, zero)
-
-
-def in_si(w: Writer, name: str, default: str) -> Signal:
-    """Evaluate a parameter of a physical block, in SI."""
-    from drake_leg.units import parse_unit
-
-    value = w.settings.array(name, default)
-    unit = w.settings.text(f"{name}_unit", "1")
-    if unit in ("1", ""):
-        return value
-    scale = parse_unit(unit)
-    if isinstance(value, np.ndarray):
-        return np.array([scale.in_si(each) for each in value.ravel()]).reshape(value.shape)
-    return scale.in_si(value)
 
 
 @kind("PS Sine Wave")

@@ -8,6 +8,7 @@ import numpy as np
 
 from drake_leg.simulink.running.code import Call, Operand, Writer
 from drake_leg.simulink.running.kinds import kind
+from drake_leg.simulink.running.kinds.quantities import in_si
 
 FROM_PORT = "Input port"
 CURVES = ("cubic", "akima")  # methods of curves between points
@@ -37,7 +38,8 @@ def lookup(w: Writer) -> None:
         _one(w, points, values, beyond, "linear")
         return
     if w.node.block.kind.startswith("PS"):
-        _one(w, s.numbers("x", "[1:5]"), s.numbers("f", "[0:4]"), _beyond_physical(w), "linear")
+        x, f = (np.ravel(in_si(w, *each)) for each in (("x", "[1:5]"), ("f", "[0:4]")))
+        _one(w, x, f, _beyond_physical(w), "linear")
         return
     method = _METHODS.get(s.text("InterpMethod", "Linear point-slope"), "")
     if not method:
@@ -174,8 +176,9 @@ def lookup_2d(w: Writer) -> None:
     """Look numbers up in a table of two dimensions."""
     s = w.settings
     if w.node.block.kind.startswith("PS"):
-        points = [s.numbers("x1", "[1:5]"), s.numbers("x2", "[1:5]")]
-        _several(w, points, s.matrix("f"), _beyond_physical(w), "linear")
+        points = [np.ravel(in_si(w, name, "[1:5]")) for name in ("x1", "x2")]
+        values = np.reshape(in_si(w, "f", ""), s.matrix("f").shape)
+        _several(w, points, values, _beyond_physical(w), "linear")
         return
     rows, columns = s.numbers("RowIndex", "[1 2]"), s.numbers("ColumnIndex", "[1 2]")
     beyond = "clip" if "Use End" in s.text("LookUpMeth", "") else "line"
